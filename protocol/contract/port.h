@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+namespace tandem {
+
+/// Motion of a port frame P: what the multibody side says. SI, world axes W.
+struct Motion {
+  Eigen::Vector3d p_WP = Eigen::Vector3d::Zero();            ///< position of Po (m)
+  Eigen::Quaterniond q_WP = Eigen::Quaterniond::Identity();  ///< x_W = R(q_WP) x_P, ‖q‖ = 1
+  Eigen::Vector3d v_WP = Eigen::Vector3d::Zero();            ///< velocity of Po (m/s)
+  Eigen::Vector3d w_WP = Eigen::Vector3d::Zero();            ///< angular velocity (rad/s)
+};
+
+/// Wrench λ which the flexible side exerts ON the rigid side at P. World axes, torque about Po.
+struct Wrench {
+  Eigen::Vector3d f_P_W = Eigen::Vector3d::Zero();  ///< force (N)
+  Eigen::Vector3d t_P_W = Eigen::Vector3d::Zero();  ///< torque about Po (N·m)
+};
+
+/// One entry per port, in the order of the scenario's port table.
+using MotionSet = std::vector<Motion>;
+using WrenchSet = std::vector<Wrench>;
+
+/// What a side knows of one port.
+struct PortInfo {
+  std::string name;
+  /// Length (m) that turns torques into forces in the residual norm. The flexible side states the
+  /// root-mean-square distance of the port's nodes from Po; 0 = this side has none to offer.
+  double length_m = 0.0;
+};
+
+/// λ as one vector, 6 per port: [f_x f_y f_z t_x t_y t_z | …].
+[[nodiscard]] Eigen::VectorXd stack(const WrenchSet& wrenches);
+[[nodiscard]] WrenchSet unstack_wrenches(const Eigen::VectorXd& stacked);
+
+/// Local difference b ⊖ a of two motions, 12 per port:
+///   [p_b − p_a | θ with R_b = exp(θ×) R_a | v_b − v_a | w_b − w_a],   all in W.
+[[nodiscard]] Eigen::VectorXd difference(const MotionSet& a, const MotionSet& b);
+
+/// ‖λ‖ = sqrt(Σ_ports |f|² + |t|²/L²): forces in N, torques scaled by the port's length L (m).
+[[nodiscard]] double wrench_norm_N(const WrenchSet& wrenches, const std::vector<PortInfo>& ports);
+
+/// Interface power Σ_ports f·v + t·w (W): what the flexible side delivers to the rigid side.
+[[nodiscard]] double interface_power_W(const WrenchSet& wrenches, const MotionSet& motions);
+
+[[nodiscard]] bool all_finite(const WrenchSet& wrenches);
+[[nodiscard]] bool all_finite(const MotionSet& motions);
+
+}  // namespace tandem

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/contract/cost.h"
+#include "protocol/contract/port.h"
+#include "protocol/contract/segment.h"
+#include "protocol/contract/sim_time.h"
+
+namespace tandem {
+
+struct SubsystemInfo {
+  std::string name;             ///< "mbs" or "fem"
+  std::vector<PortInfo> ports;  ///< in the order of the scenario's port table
+  SimTime micro_step{};         ///< the side's own integration step h; the macro step is H = n h
+  bool can_linearize = false;   ///< whether advance() honours `linearize`
+};
+
+/// d out / d in(end of segment) at the last advance, from the state at its beginning.
+///   multibody side: 12P × 6P, rows as difference(), columns as stack()
+///   flexible side:   6P × 12P, rows as stack(), columns as difference()
+using InterfaceJacobian = Eigen::MatrixXd;
+
+/// How an advance ended. An iteration cap that is reached is NotConverged, never Done.
+enum class Outcome : std::int8_t {
+  Done = 0,          ///< output is good
+  NotConverged = 1,  ///< budget spent, output is there but not to tolerance
+  Failed = 2,        ///< output is unusable; the state is that before the call
+};
+
+/// One macro step's order to a side.
+template <class In>
+struct StepRequest {
+  SimTime step{};          ///< H, a whole multiple of the side's micro step
+  Segment<In> input;       ///< at both ends of the step
+  bool linearize = false;  ///< also return the interface Jacobian
+};
+
+template <class Out>
+struct StepResult {
+  Outcome outcome = Outcome::Failed;
+  std::string message = "advance was not called";  ///< empty when Done
+  Out output;                                      ///< at the end of the step
+  std::optional<InterfaceJacobian> jacobian;       ///< when asked for and possible
+  std::int32_t solver_iterations = 0;              ///< inner iterations (PCG, Newton), 0 for direct
+  CallCost cost;                                   ///< where the time of this call went
+};
+
+/// Energies at the present state (J) and the work booked since t = 0. All are of this side alone.
+struct EnergyBook {
+  double kinetic_J = 0.0;
+  double potential_J = 0.0;      ///< gravity (zero at the world origin), springs
+  double elastic_J = 0.0;        ///< strain energy
+  double external_work_J = 0.0;  ///< by loads, force laws, motors and other joint reactions
+  [[nodiscard]] double total_J() const { return kinetic_J + potential_J + elastic_J; }
+};
+
+struct Observation {
+  SimTime time{};
+  EnergyBook energy;
+  std::uint64_t state_hash = 0;  ///< of every bit that influences the future
+};
+
+/// One of the two sides of a coupled run. Causality is in the types: the multibody side maps
+/// wrenches to motions, the flexible side maps motions to wrenches. A scheme cannot tell whether a
+/// side is a local object, a proxy to a process, a recorded log or a mock.
+///
+/// Order of calls: info() any time; initialize() once; then for each macro step checkpoint(), and
+/// one or more advance() with rollback() before each repetition; a last checkpoint() after the last
+/// step. A side may act on accepted states (write files) in checkpoint(): the state then is final.
+/// Errors of use and of transport throw tandem::Error; numerical ends are values in StepResult.
+template <class In, class Out>
+class Subsystem {
+ public:
+  virtual ~Subsystem() = default;
+
+  [[nodiscard]] virtual const SubsystemInfo& info() const = 0;
+
+  /// Consistent output at t = 0 for the given input.
+  virtual Out initialize(const In& input) = 0;
+
+  /// Advances the state by request.step. When Failed the state does not move.
+  virtual StepResult<Out> advance(const StepRequest<In>& request) = 0;
+
+  /// Saves the complete and exact state; everything before it is accepted.
+  virtual void checkpoint() = 0;
+
+  /// Restores the last checkpoint bit for bit, any number of times.
+  virtual void rollback() = 0;
+
+  /// Energies and state hash of the present state; changes nothing.
+  virtual Observation observe() = 0;
+};
+
+using MbsSide = Subsystem<WrenchSet, MotionSet>;
+using FemSide = Subsystem<MotionSet, WrenchSet>;
+
+}  // namespace tandem

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "protocol/contract/port.h"
+#include "protocol/contract/sim_time.h"
+#include "protocol/scenario/key_table.h"
+#include "protocol/scenario/node.h"
+
+namespace tandem::scenario {
+
+/// Section `run`: how long, in which steps. Used by every process.
+struct RunParams {
+  SimTime duration{};
+  SimTime macro_step{};
+  [[nodiscard]] std::int64_t macro_steps() const { return duration / macro_step; }
+};
+[[nodiscard]] Key run_keys();
+[[nodiscard]] RunParams read_run(const Node& root);
+
+/// Section `ports`: one row per place where the sides meet.
+struct PortParams {
+  std::string name;
+  std::string body;      ///< rigid body on the multibody side
+  std::string node_set;  ///< node set (physical group) on the flexible side
+  Eigen::Vector3d p_WP = Eigen::Vector3d::Zero();            ///< Po at t = 0 in W (m)
+  Eigen::Quaterniond q_WP = Eigen::Quaterniond::Identity();  ///< P at t = 0 in W
+  bool at_body_frame = true;  ///< no position given: P is the body's own frame
+  Place place;                ///< for errors of either side
+};
+[[nodiscard]] Key ports_keys();
+[[nodiscard]] std::vector<PortParams> read_ports(const Node& root);
+
+/// Section `output`, as far as the sides write files themselves.
+struct OutputParams {
+  std::int64_t vtu_every_steps = 0;     ///< 0 = no .vtu files
+  std::int64_t bodies_every_steps = 1;  ///< rows of bodies.csv
+};
+[[nodiscard]] Key output_keys();
+[[nodiscard]] OutputParams read_output(const Node& root);
+
+}  // namespace tandem::scenario

@@ -1,0 +1,1 @@
+# Tests of coupled, one executable a line.

@@ -1,0 +1,1 @@
+# Tests of fem, one executable a line.

@@ -1,0 +1,1 @@
+# Tests of mbs, one executable a line.

@@ -1,0 +1,1 @@
+# Tests of protocol_contract, one executable a line.

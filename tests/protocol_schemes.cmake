@@ -1,0 +1,1 @@
+# Tests of protocol_schemes, one executable a line.

@@ -1,0 +1,1 @@
+# Tests of protocol_wire, one executable a line.
