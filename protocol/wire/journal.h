@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocol/contract/ledger.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem::wire {
+
+enum class SideName : std::int8_t { Mbs = 0, Fem = 1 };
+[[nodiscard]] inline const char* text_of(SideName side) {
+  return side == SideName::Mbs ? "mbs" : "fem";
+}
+
+enum class CallKind : std::int8_t { Initialize = 0, Advance = 1 };
+
+/// One call of one side as the driver saw it: enough to make the call again and to compare what
+/// comes out. Whatever the side, `wrenches` and `motions` hold both of its ends:
+///   mbs: input = wrenches.begin, wrenches.end; output = motions.end  (motions.begin is empty)
+///   fem: input = motions.begin, motions.end;   output = wrenches.end (wrenches.begin is empty)
+/// Initialize has its input in `.end` alone.
+struct CallRecord {
+  SideName side = SideName::Mbs;
+  CallKind kind = CallKind::Initialize;
+  bool checkpoint_first = false;  ///< checkpoint() was called just before
+  bool rollback_first = false;  ///< rollback() was called just before (after a checkpoint, if both)
+  bool linearize = false;
+  bool accepted = false;        ///< the side's state went on from here; else rolled back
+  std::int64_t macro_step = 0;  ///< 0 = initialization, 1 … N = the macro steps
+  std::int32_t iteration = 0;   ///< 1 = the side's first advance of the macro step
+  SimTime step{};               ///< H
+  Segment<WrenchSet> wrenches;
+  Segment<MotionSet> motions;
+  Outcome outcome = Outcome::Done;
+  std::string message;  ///< empty when Done
+  std::int32_t solver_iterations = 0;
+};
+
+/// One macro step as the scheme ended it. Macro step 0 carries the initialization.
+struct StepRecord {
+  std::int64_t macro_step = 0;
+  SimTime time{};  ///< at the end of the step
+  SimTime step{};  ///< H
+  std::int32_t iterations = 0;
+  double residual_N = 0.0;
+  double energy_defect_J = 0.0;
+  Outcome outcome = Outcome::Done;
+  Ledger ledger;  ///< of this step
+};
+
+/// Everything that happened in one macro step: what travels to the orchestrator and into the log.
+struct StepJournal {
+  StepRecord step;
+  std::vector<CallRecord> calls;  ///< in the order they were made, discarded ones too
+};
+
+/// How the run ended, said once by the driver.
+struct Finished {
+  int exit_code = 0;
+  std::string message;       ///< one line for the user
+  std::string summary_json;  ///< numbers of the driver for summary.json
+};
+
+}  // namespace tandem::wire

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "protocol/wire/journal.h"
+
+namespace tandem::wire {
+
+/// The calls of both sides since the last take(), in the order they were made.
+class CallJournal {
+ public:
+  CallRecord& append() { return calls_.emplace_back(); }
+
+  /// Hands out the calls of the macro step that just ended. The last advance of each side is the
+  /// accepted one; all others were rolled back.
+  std::vector<CallRecord> take() {
+    bool open[2] = {true, true};
+    for (auto call = calls_.rbegin(); call != calls_.rend(); ++call) {
+      bool& last = open[static_cast<int>(call->side)];
+      call->accepted = last && call->outcome != Outcome::Failed;
+      last = false;
+    }
+    return std::exchange(calls_, {});
+  }
+
+ private:
+  std::vector<CallRecord> calls_;
+};
+
+/// Writes down every call that passes through to `inner`. Macro steps are counted by checkpoint():
+/// the one before the first advance opens macro step 1. observe() changes nothing and is not
+/// written down.
+template <class In, class Out>
+class JournaledSide final : public Subsystem<In, Out> {
+ public:
+  JournaledSide(Subsystem<In, Out>& inner, CallJournal& journal)
+      : inner_(inner), journal_(journal) {}
+
+  [[nodiscard]] const SubsystemInfo& info() const override { return inner_.info(); }
+
+  Out initialize(const In& input) override {
+    Out output = inner_.initialize(input);
+    CallRecord& call = append(CallKind::Initialize);
+    inputs(call).end = input;
+    outputs(call).end = output;
+    return output;
+  }
+
+  StepResult<Out> advance(const StepRequest<In>& request) override {
+    ++iteration_;
+    StepResult<Out> result = inner_.advance(request);
+    CallRecord& call = append(CallKind::Advance);
+    call.linearize = request.linearize;
+    call.step = request.step;
+    inputs(call) = request.input;
+    outputs(call).end = result.output;
+    call.outcome = result.outcome;
+    call.message = result.message;
+    call.solver_iterations = result.solver_iterations;
+    return result;
+  }
+
+  void checkpoint() override {
+    inner_.checkpoint();
+    checkpoint_first_ = true;
+    rollback_first_ = false;
+    ++macro_step_;
+    iteration_ = 0;
+  }
+
+  void rollback() override {
+    inner_.rollback();
+    rollback_first_ = true;
+  }
+
+  Observation observe() override { return inner_.observe(); }
+
+ private:
+  static constexpr bool kIsMbs = std::is_same_v<In, WrenchSet>;
+
+  static Segment<In>& inputs(CallRecord& call) {
+    if constexpr (kIsMbs) {
+      return call.wrenches;
+    } else {
+      return call.motions;
+    }
+  }
+  static Segment<Out>& outputs(CallRecord& call) {
+    if constexpr (kIsMbs) {
+      return call.motions;
+    } else {
+      return call.wrenches;
+    }
+  }
+
+  CallRecord& append(CallKind kind) {
+    CallRecord& call = journal_.append();
+    call.side = kIsMbs ? SideName::Mbs : SideName::Fem;
+    call.kind = kind;
+    call.checkpoint_first = std::exchange(checkpoint_first_, false);
+    call.rollback_first = std::exchange(rollback_first_, false);
+    call.macro_step = macro_step_;
+    call.iteration = iteration_;
+    return call;
+  }
+
+  Subsystem<In, Out>& inner_;
+  CallJournal& journal_;
+  bool checkpoint_first_ = false;
+  bool rollback_first_ = false;
+  std::int64_t macro_step_ = 0;
+  std::int32_t iteration_ = 0;
+};
+
+using JournaledMbs = JournaledSide<WrenchSet, MotionSet>;
+using JournaledFem = JournaledSide<MotionSet, WrenchSet>;
+
+}  // namespace tandem::wire
