@@ -1,0 +1,48 @@
+#include "protocol/schemes/divergence_monitor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem {
+
+std::vector<double> energy_defects_J(SimTime H, const MacroStepEnd& end) {
+  std::vector<double> defects(end.wrenches.size());
+  for (std::size_t i = 0; i < defects.size(); ++i) {
+    const Eigen::Vector3d force = end.wrenches[i].f_P_W - end.applied[i].f_P_W;
+    const Eigen::Vector3d torque = end.wrenches[i].t_P_W - end.applied[i].t_P_W;
+    defects[i] = to_seconds(H) * (force.dot(end.motions[i].v_WP) + torque.dot(end.motions[i].w_WP));
+  }
+  return defects;
+}
+
+DivergenceMonitor::DivergenceMonitor(double growth, std::vector<PortInfo> ports)
+    : growth_(growth), ports_(std::move(ports)) {}
+
+std::optional<std::string> DivergenceMonitor::check(SimTime H, const MacroStepEnd& end) {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    if (!all_finite(WrenchSet{end.wrenches[i]}) || !all_finite(MotionSet{end.motions[i]})) {
+      return fmt::format("port '{}' carries a value that is not finite", ports_[i].name);
+    }
+  }
+  if (end.residual_N <= 0.5 * wrench_norm_N(end.wrenches, ports_)) {
+    streak_ = 0;
+    return std::nullopt;
+  }
+  const std::vector<double> defects = energy_defects_J(H, end);
+  double sum_J = 0.0;
+  for (double defect : defects) sum_J += std::abs(defect);
+  if (streak_++ == 0) streak_first_defect_J_ = sum_J;
+  if (streak_ < kShortestStreak || sum_J <= growth_ * streak_first_defect_J_) return std::nullopt;
+
+  const auto worst = std::max_element(defects.begin(), defects.end(),
+                                      [](double a, double b) { return std::abs(a) < std::abs(b); });
+  return fmt::format(
+      "the interface energy defect grew from {:.3g} J to {:.3g} J per macro step within {} macro "
+      "steps, limit {:g} times; ‖r‖ = {:.3g} N, most of it at port '{}'",
+      streak_first_defect_J_, sum_J, streak_, growth_, end.residual_N,
+      ports_[static_cast<std::size_t>(worst - defects.begin())].name);
+}
+
+}  // namespace tandem

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "protocol/schemes/scheme.h"
+
+namespace tandem {
+
+/// One iteration: both sides evaluated from t_n with the wrench λ at the end of the macro step.
+struct Evaluation {
+  Outcome outcome = Outcome::Failed;  ///< the worse of both sides' outcomes
+  std::string message;
+  MotionSet motions;
+  WrenchSet wrenches;
+  Eigen::VectorXd residual;  ///< Λ(M(λ)) − λ, stacked
+  double residual_N = 0.0;   ///< its scaled norm
+  double wrench_N = 0.0;     ///< scaled norm of Λ(M(λ))
+  InterfaceJacobian mbs_jacobian;
+  InterfaceJacobian fem_jacobian;
+};
+
+/// m = M(λ), Λ = Λ(m). Stops after the first side that fails. With `linearize` both Jacobians are
+/// filled; a side that cannot linearise makes this a Usage error.
+[[nodiscard]] Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
+                                  bool linearize, MbsSide& mbs, FemSide& fem,
+                                  const std::vector<PortInfo>& ports);
+
+/// Restores both sides to t_n before a further iteration.
+void roll_back(MbsSide& mbs, FemSide& fem);
+
+/// Tolerance of the residual for the present wrench: tolerance_N + relative_tolerance ‖Λ‖.
+[[nodiscard]] double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation);
+
+/// The evaluation as the end of a macro step.
+[[nodiscard]] MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,
+                                  std::int32_t iterations);
+
+}  // namespace tandem

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "protocol/contract/cost.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem {
+
+/// What the calls to one side have cost since the last reset.
+struct SideMeter {
+  CallCost cost;             ///< as the side reports it
+  double duration_s = 0.0;   ///< time the caller spent inside the calls
+  double discarded_s = 0.0;  ///< compute of advances that were rolled back
+  double pending_s = 0.0;    ///< compute of the last advance, discarded if a rollback follows
+};
+
+/// Where a side computes: its compute time is the duration of the call (here) or reported
+/// (elsewhere).
+enum class Locality { Here, Elsewhere };
+
+/// Forwards every call and books its time and bytes.
+template <class In, class Out>
+class MeteredSide final : public Subsystem<In, Out> {
+ public:
+  MeteredSide(Subsystem<In, Out>& inner, Locality locality, SideMeter& meter)
+      : inner_(inner), locality_(locality), meter_(meter) {}
+
+  const SubsystemInfo& info() const override { return inner_.info(); }
+  Out initialize(const In& input) override { return inner_.initialize(input); }
+  Observation observe() override { return inner_.observe(); }
+  void checkpoint() override {
+    meter_.pending_s = 0.0;
+    book([this] { inner_.checkpoint(); });
+  }
+  void rollback() override {
+    meter_.discarded_s += meter_.pending_s;
+    meter_.pending_s = 0.0;
+    book([this] { inner_.rollback(); });
+  }
+  StepResult<Out> advance(const StepRequest<In>& request) override {
+    const double start_s = now_s();
+    StepResult<Out> result = inner_.advance(request);
+    const double duration_s = now_s() - start_s;
+    if (locality_ == Locality::Here) result.cost.compute_s = duration_s;
+    meter_.cost += result.cost;
+    meter_.duration_s += duration_s;
+    meter_.pending_s = result.cost.compute_s;
+    return result;
+  }
+
+ private:
+  template <class Call>
+  void book(Call call) {
+    const double start_s = now_s();
+    call();
+    const double duration_s = now_s() - start_s;
+    meter_.duration_s += duration_s;
+    if (locality_ == Locality::Here) meter_.cost.compute_s += duration_s;
+  }
+
+  Subsystem<In, Out>& inner_;
+  Locality locality_;
+  SideMeter& meter_;
+};
+
+}  // namespace tandem
