@@ -1,0 +1,222 @@
+#include "protocol/driver/coupled_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "protocol/contract/error.h"
+#include "protocol/contract/hash.h"
+#include "protocol/schemes/divergence_monitor.h"
+#include "protocol/wire/journaled_side.h"
+
+namespace tandem {
+namespace {
+
+EnergyBook sum(const EnergyBook& a, const EnergyBook& b) {
+  return {.kinetic_J = a.kinetic_J + b.kinetic_J,
+          .potential_J = a.potential_J + b.potential_J,
+          .elastic_J = a.elastic_J + b.elastic_J,
+          .external_work_J = a.external_work_J + b.external_work_J};
+}
+
+/// The ledger of one macro step from what both sides' meters booked and the wall time of its parts.
+Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s) {
+  Ledger ledger;
+  ledger.add_transfer(mbs.cost);
+  ledger.add_transfer(fem.cost);
+  ledger.mbs_compute_s = mbs.cost.compute_s;
+  ledger.fem_compute_s = fem.cost.compute_s;
+  ledger.discarded_s = mbs.discarded_s + fem.discarded_s;
+  // What the scheme's own code took: its wall time outside of the calls to the sides.
+  ledger.scheme_s = advance_s - mbs.duration_s - fem.duration_s;
+  return ledger;
+}
+
+double transfer_s(const Ledger& l) { return l.encode_s + l.decode_s + l.publish_s + l.transit_s; }
+
+/// One coupled run in progress.
+class CoupledRun {
+ public:
+  CoupledRun(const CoupledRunParams& params, PlacedSide<MbsSide> mbs, PlacedSide<FemSide> fem,
+             StepSink& sink)
+      : params_(params),
+        sink_(sink),
+        ports_(fem.side.info().ports),
+        metered_mbs_(mbs.side, mbs.locality, mbs_meter_),
+        metered_fem_(fem.side, fem.locality, fem_meter_),
+        mbs_(metered_mbs_, journal_),
+        fem_(metered_fem_, journal_),
+        scheme_(params.make_scheme(ports_)),
+        monitor_(params.coupling.divergence_growth, ports_) {
+    require_same_ports(mbs.side.info().ports);
+    report_.scheme = params.scheme_name;
+    for (const PortInfo& port : ports_) report_.port_names.push_back(port.name);
+  }
+
+  RunReport run() {
+    initialize();
+    const std::int64_t steps = params_.run.macro_steps();
+    const double start_s = now_s();
+    for (std::int64_t n = 1; n <= steps && report_.status == RunStatus::Done; ++n) make_step(n);
+    report_.wall_s = now_s() - start_s;
+    report_.ledger.other_s = report_.wall_s - report_.ledger.named_s();
+    finish();
+    return std::move(report_);
+  }
+
+ private:
+  void require_same_ports(const std::vector<PortInfo>& mbs_ports) const {
+    const bool same =
+        std::equal(ports_.begin(), ports_.end(), mbs_ports.begin(), mbs_ports.end(),
+                   [](const PortInfo& a, const PortInfo& b) { return a.name == b.name; });
+    require(same, "the two sides have different port tables. Start both from the same scenario.");
+  }
+
+  void initialize() {
+    state_.motions = mbs_.initialize(WrenchSet(ports_.size()));
+    state_.wrenches = fem_.initialize(state_.motions);
+    observe(report_.energy_start);
+    sink_.record({.step = {}, .calls = journal_.take()});
+  }
+
+  void make_step(std::int64_t n) {
+    const SimTime H = params_.run.macro_step;
+    const double start_s = now_s();
+    mbs_meter_ = {};
+    fem_meter_ = {};
+    mbs_.checkpoint();
+    fem_.checkpoint();
+    const MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
+    const SimTime t_end = state_.time + H;
+    const double defect_J = book_defect(H, end);
+    judge(n, H, t_end, end);
+
+    Ledger ledger = step_ledger(mbs_meter_, fem_meter_, now_s() - start_s);
+    report_.exchange_us.push_back(1e6 * transfer_s(ledger) / std::max(1, end.iterations));
+    record({.macro_step = n,
+            .time = t_end,
+            .step = H,
+            .iterations = end.iterations,
+            .residual_N = end.residual_N,
+            .energy_defect_J = defect_J,
+            .outcome = end.outcome,
+            .ledger = ledger},
+           start_s);
+    if (report_.status == RunStatus::Done) accept(n, t_end, end);
+  }
+
+  double book_defect(SimTime H, const MacroStepEnd& end) {
+    if (end.outcome == Outcome::Failed) return 0.0;
+    double defect_J = 0.0;
+    for (double defect : energy_defects_J(H, end)) defect_J += defect;
+    report_.interface_defect_max_J = std::max(report_.interface_defect_max_J, std::abs(defect_J));
+    report_.interface_defect_sum_J += defect_J;
+    return defect_J;
+  }
+
+  /// Turns the end of a macro step into the run's status: diverged, not converged, failed, or go
+  /// on.
+  void judge(std::int64_t n, SimTime H, SimTime t_end, const MacroStepEnd& end) {
+    report_.iterations_total += end.iterations;
+    report_.iterations_max = std::max<std::int64_t>(report_.iterations_max, end.iterations);
+    const auto located = [&](const char* what) {
+      return fmt::format("{}: {} at t = {:.9g} s (macro step {}, iteration {}): ",
+                         params_.scheme_name, what, to_seconds(t_end), n, end.iterations);
+    };
+    if (end.outcome == Outcome::Failed) {
+      stop(RunStatus::SolverFailed, located("a side failed") + end.message);
+      return;
+    }
+    if (const auto divergence = monitor_.check(H, end)) {
+      stop(RunStatus::Diverged,
+           located("diverged") + *divergence +
+               ". The coupling is unstable at this step: use coupling.scheme: interface_jacobian "
+               "(or implicit), or lower run.macro_step_s.");
+      return;
+    }
+    if (end.outcome != Outcome::NotConverged) return;
+    ++report_.not_converged_steps;
+    if (params_.coupling.on_not_converged == OnNotConverged::Stop) {
+      stop(RunStatus::NotConverged, located("not converged") + end.message);
+    }
+  }
+
+  void stop(RunStatus status, std::string message) {
+    report_.status = status;
+    report_.message = std::move(message);
+  }
+
+  void record(const wire::StepRecord& step, double start_s) {
+    wire::StepJournal journal{.step = step, .calls = journal_.take()};
+    // The row that is written cannot hold the time of writing it: it carries that of the row
+    // before.
+    journal.step.ledger.record_s = last_record_s_;
+    journal.step.ledger.wait_s = last_wait_s_;
+    const double record_start_s = now_s();
+    journal.step.ledger.other_s = (record_start_s - start_s) - step.ledger.named_s();
+    const double wait_s = sink_.record(std::move(journal));
+    const double end_s = now_s();
+    last_wait_s_ = wait_s;
+    last_record_s_ = end_s - record_start_s - wait_s;
+
+    Ledger ledger = step.ledger;
+    ledger.record_s = last_record_s_;
+    ledger.wait_s = wait_s;
+    ledger.other_s = (end_s - start_s) - ledger.named_s();
+    report_.ledger += ledger;
+  }
+
+  void accept(std::int64_t n, SimTime t_end, const MacroStepEnd& end) {
+    report_.macro_steps = n;
+    report_.simulated = t_end;
+    state_.time = t_end;
+    state_.previous_wrenches = std::exchange(state_.wrenches, end.wrenches);
+    state_.motions = end.motions;
+  }
+
+  void observe(EnergyBook& energy) {
+    const Observation mbs = mbs_.observe();
+    const Observation fem = fem_.observe();
+    energy = sum(mbs.energy, fem.energy);
+    StateHash hash;
+    hash.add(mbs.state_hash);
+    hash.add(fem.state_hash);
+    report_.state_hash = hash.value();
+  }
+
+  void finish() {
+    if (report_.status == RunStatus::Done) {
+      mbs_.checkpoint();
+      fem_.checkpoint();
+    }
+    observe(report_.energy_end);
+    report_.motions = state_.motions;
+    report_.wrenches = state_.wrenches;
+  }
+
+  const CoupledRunParams& params_;
+  StepSink& sink_;
+  std::vector<PortInfo> ports_;
+  SideMeter mbs_meter_, fem_meter_;
+  wire::CallJournal journal_;
+  MeteredSide<WrenchSet, MotionSet> metered_mbs_;
+  MeteredSide<MotionSet, WrenchSet> metered_fem_;
+  wire::JournaledMbs mbs_;
+  wire::JournaledFem fem_;
+  std::unique_ptr<Scheme> scheme_;
+  DivergenceMonitor monitor_;
+  InterfaceState state_;
+  RunReport report_;
+  double last_record_s_ = 0.0, last_wait_s_ = 0.0;
+};
+
+}  // namespace
+
+RunReport run_coupled(const CoupledRunParams& params, PlacedSide<MbsSide> mbs,
+                      PlacedSide<FemSide> fem, StepSink& sink) {
+  return CoupledRun(params, mbs, fem, sink).run();
+}
+
+}  // namespace tandem

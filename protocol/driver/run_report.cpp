@@ -1,0 +1,113 @@
+#include "protocol/driver/run_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace tandem {
+namespace {
+
+using nlohmann::ordered_json;
+
+/// Nearest-rank quantile of sorted values; 0 when there are none.
+double quantile(const std::vector<double>& sorted, double q) {
+  if (sorted.empty()) return 0.0;
+  const auto n = static_cast<double>(sorted.size());
+  const double rank = std::clamp(std::ceil(q * n), 1.0, n);
+  return sorted[static_cast<std::size_t>(rank) - 1];
+}
+
+ordered_json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+ordered_json ports_json(const RunReport& report) {
+  ordered_json ports = ordered_json::object();
+  for (std::size_t i = 0; i < report.motions.size(); ++i) {
+    const Motion& m = report.motions[i];
+    const Wrench& w = report.wrenches[i];
+    ports[report.port_names[i]] = {{"p_WP_m", vector_json(m.p_WP)},
+                                   {"q_WP_wxyz", {m.q_WP.w(), m.q_WP.x(), m.q_WP.y(), m.q_WP.z()}},
+                                   {"v_WP_m_per_s", vector_json(m.v_WP)},
+                                   {"w_WP_rad_per_s", vector_json(m.w_WP)},
+                                   {"f_P_W_N", vector_json(w.f_P_W)},
+                                   {"t_P_W_Nm", vector_json(w.t_P_W)}};
+  }
+  return ports;
+}
+
+ordered_json ledger_json(const Ledger& l) {
+  return {{"mbs_compute", l.mbs_compute_s},
+          {"fem_compute", l.fem_compute_s},
+          {"encode", l.encode_s},
+          {"decode", l.decode_s},
+          {"publish", l.publish_s},
+          {"transit", l.transit_s},
+          {"wait", l.wait_s},
+          {"scheme", l.scheme_s},
+          {"record", l.record_s},
+          {"other", l.other_s},
+          {"discarded", l.discarded_s}};
+}
+
+ordered_json energy_json(const RunReport& r) {
+  const double external_J = r.energy_end.external_work_J - r.energy_start.external_work_J;
+  return {{"interface_defect_max", r.interface_defect_max_J},
+          {"interface_defect_sum", r.interface_defect_sum_J},
+          {"total_start", r.energy_start.total_J()},
+          {"total_end", r.energy_end.total_J()},
+          {"external_work", external_J},
+          {"dissipated", r.energy_start.total_J() + external_J - r.energy_end.total_J()}};
+}
+
+}  // namespace
+
+std::string to_string(RunStatus status) {
+  switch (status) {
+    case RunStatus::Done:
+      return "done";
+    case RunStatus::NotConverged:
+      return "not_converged";
+    case RunStatus::Diverged:
+      return "diverged";
+    case RunStatus::SolverFailed:
+      return "solver_failed";
+  }
+  return "unknown";
+}
+
+ordered_json to_json(const RunReport& r) {
+  std::vector<double> exchange_us = r.exchange_us;
+  std::sort(exchange_us.begin(), exchange_us.end());
+  const double simulated_s = to_seconds(r.simulated);
+  ordered_json json;
+  json["scheme"] = r.scheme;
+  json["status"] = to_string(r.status);
+  json["message"] = r.message;
+  json["macro_steps"] = r.macro_steps;
+  json["simulated_s"] = simulated_s;
+  json["wall_s"] = r.wall_s;
+  json["realtime_ratio"] = r.wall_s > 0.0 ? simulated_s / r.wall_s : 0.0;
+  json["iterations"] = {{"total", r.iterations_total},
+                        {"mean", r.macro_steps > 0 ? static_cast<double>(r.iterations_total) /
+                                                         static_cast<double>(r.macro_steps)
+                                                   : 0.0},
+                        {"max", r.iterations_max}};
+  json["not_converged_steps"] = r.not_converged_steps;
+  json["ledger_s"] = ledger_json(r.ledger);
+  json["wire"] = {{"messages", r.ledger.messages},
+                  {"bytes", r.ledger.bytes},
+                  {"resent", r.ledger.resent},
+                  {"duplicates", r.ledger.duplicates},
+                  {"lost", r.ledger.lost}};
+  json["exchange_us"] = {{"median", quantile(exchange_us, 0.5)},
+                         {"p90", quantile(exchange_us, 0.9)},
+                         {"p99", quantile(exchange_us, 0.99)},
+                         {"max", quantile(exchange_us, 1.0)}};
+  json["energy_J"] = energy_json(r);
+  json["state_hash"] = fmt::format("{:016x}", r.state_hash);
+  json["ports"] = ports_json(r);
+  return json;
+}
+
+}  // namespace tandem

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "protocol/contract/ledger.h"
+#include "protocol/contract/port.h"
+#include "protocol/contract/sim_time.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem {
+
+/// How a run ended. Reaching an iteration cap, leaving the solution and a broken side are told
+/// apart.
+enum class RunStatus { Done, NotConverged, Diverged, SolverFailed };
+
+/// The numbers of one coupled run, as the driver of the scheme knows them.
+struct RunReport {
+  RunStatus status = RunStatus::Done;
+  std::string message;  ///< empty when Done; else cause, place and remedy
+  std::string scheme;
+  std::int64_t macro_steps = 0;  ///< accepted
+  SimTime simulated{};
+  double wall_s = 0.0;  ///< of the stepping loop
+  std::int64_t iterations_total = 0;
+  std::int64_t iterations_max = 0;
+  std::int64_t not_converged_steps = 0;
+  Ledger ledger;
+  std::vector<double>
+      exchange_us;  ///< per macro step: transfer time / exchanges (sorted at the end)
+  double interface_defect_max_J = 0.0;  ///< largest |δE| of a macro step
+  double interface_defect_sum_J = 0.0;  ///< Σ δE: net energy created by the interface
+  EnergyBook energy_start;              ///< both sides together
+  EnergyBook energy_end;
+  std::uint64_t state_hash = 0;
+  std::vector<std::string> port_names;
+  MotionSet motions;   ///< at the end
+  WrenchSet wrenches;  ///< at the end
+
+  [[nodiscard]] int exit_code() const { return status == RunStatus::Done ? 0 : 3; }
+};
+
+[[nodiscard]] std::string to_string(RunStatus status);
+
+/// The keys of summary.json that the driver knows (units in the names). Dissipated energy is what
+/// the balance leaves: start + external work − end; it holds physical and numerical damping.
+[[nodiscard]] nlohmann::ordered_json to_json(const RunReport& report);
+
+}  // namespace tandem
