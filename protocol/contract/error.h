@@ -9,9 +9,10 @@ namespace tandem {
 
 /// Whose fault it is, and therefore how a process ends: the exit codes of the command line.
 enum class ErrorKind {
-  Usage,         ///< bad command line, scenario or mesh (exit code 2)
-  NotSolved,     ///< not converged or diverged (exit code 3)
-  Partner,       ///< a process failed or stopped answering (exit code 4)
+  Usage,      ///< bad command line, scenario or mesh (exit code 2)
+  NotSolved,  ///< not converged or diverged (exit code 3)
+  System,     ///< the machine refused: disk full, no network route, no such program (exit code 4)
+  Partner,    ///< a process failed or stopped answering (exit code 4)
   ReplayDiffers  ///< a replayed side left the log (exit code 5)
 };
 
@@ -33,6 +34,7 @@ inline int Error::exit_code() const {
       return 2;
     case ErrorKind::NotSolved:
       return 3;
+    case ErrorKind::System:
     case ErrorKind::Partner:
       return 4;
     case ErrorKind::ReplayDiffers:

@@ -1,0 +1,69 @@
+#include "orchestrator/monolithic.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "protocol/schemes/evaluation.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+/// A residual that no longer falls is round-off when it is below this part of the largest wrench or
+/// residual of the step, or below kNegligible_N (a system without forces has no scale of its own).
+constexpr double kRoundOffResidual = 1e-6;
+constexpr double kNegligible_N = 1e-9;
+constexpr std::int32_t kMostIterations = 30;
+
+/// Matrix of the coupled interface system in (δm, δλ).
+Eigen::MatrixXd coupled_matrix(const InterfaceJacobian& mbs, const InterfaceJacobian& fem) {
+  const Eigen::Index n_m = mbs.rows();
+  const Eigen::Index n_l = mbs.cols();
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n_m + n_l, n_m + n_l);
+  matrix.topRightCorner(n_m, n_l) = -mbs;
+  matrix.bottomLeftCorner(n_l, n_m) = -fem;
+  return matrix;
+}
+
+}  // namespace
+
+MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
+                                     FemSide& fem) {
+  WrenchSet lambda = predict(Prediction::Linear, state);
+  Eigen::PartialPivLU<Eigen::MatrixXd> coupled;
+  double scale_N = 0.0;
+  double smallest_N = std::numeric_limits<double>::infinity();
+  for (std::int32_t k = 1;; ++k) {
+    if (k > 1) roll_back(mbs, fem);
+    const Evaluation evaluation = evaluate(H, state, lambda, k == 1, mbs, fem, ports_);
+    MacroStepEnd end = end_of(evaluation, lambda, k);
+    if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
+    // Newton's residual falls by orders of magnitude until round-off; then it only wavers.
+    scale_N = std::max({scale_N, evaluation.wrench_N, end.residual_N});
+    const bool at_round_off =
+        end.residual_N > 0.1 * smallest_N &&
+        end.residual_N <= std::max(kNegligible_N, kRoundOffResidual * scale_N);
+    if (at_round_off || end.residual_N == 0.0) return end;
+    if (k == kMostIterations) {
+      end.outcome = Outcome::NotConverged;
+      end.message = fmt::format(
+          "monolithic: ‖r‖ = {:.3g} N after {} iterations. A joint limit or contact switches "
+          "within "
+          "the step: lower run.macro_step_s.",
+          end.residual_N, k);
+      return end;
+    }
+    smallest_N = std::min(smallest_N, end.residual_N);
+    const Eigen::Index n_l = evaluation.residual.size();
+    const Eigen::Index n_m = 2 * n_l;
+    if (k == 1) coupled.compute(coupled_matrix(evaluation.mbs_jacobian, evaluation.fem_jacobian));
+    Eigen::VectorXd right_side = Eigen::VectorXd::Zero(n_m + n_l);
+    right_side.tail(n_l) = evaluation.residual;
+    lambda = unstack_wrenches(stack(lambda) + coupled.solve(right_side).tail(n_l));
+  }
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "orchestrator/text_file.h"
+#include "protocol/wire/journal.h"
+
+namespace tandem::orchestrator {
+
+/// steps.csv (one row per macro step: outcome and ledger) and ports.csv (accepted motions and
+/// wrenches), units in the headers, numbers in the shortest form that reads back to the same bits.
+class StepTables {
+ public:
+  StepTables(const std::filesystem::path& directory, const std::vector<std::string>& ports);
+
+  /// Appends the rows of one macro step; macro step 0 has a row in ports.csv alone.
+  void write(const wire::StepJournal& journal);
+  void flush();
+
+ private:
+  TextFile steps_;
+  TextFile ports_;
+};
+
+/// The accepted motions and wrenches at the end of a macro step; empty when the step was not
+/// accepted.
+struct AcceptedInterface {
+  MotionSet motions;
+  WrenchSet wrenches;
+};
+[[nodiscard]] AcceptedInterface accepted_interface(const wire::StepJournal& journal);
+
+}  // namespace tandem::orchestrator
