@@ -1,0 +1,62 @@
+#include "orchestrator/run_directory.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+
+#include "protocol/contract/error.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+namespace fs = std::filesystem;
+
+void create_folder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) {
+    throw Error(ErrorKind::System, fmt::format("cannot create the run folder '{}': {}. Choose "
+                                               "another with --out.",
+                                               path.string(), error.message()));
+  }
+}
+
+fs::path default_folder(const std::string& scenario_name) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  const fs::path parent = fs::path("runs") / scenario_name;
+  const std::string stamp = fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
+  fs::path folder = parent / stamp;
+  for (int suffix = 2; fs::exists(folder); ++suffix) {
+    folder = parent / fmt::format("{}-{}", stamp, suffix);
+  }
+  return folder;
+}
+
+}  // namespace
+
+RunDirectory RunDirectory::create(const std::optional<fs::path>& chosen,
+                                  const std::string& scenario_name) {
+  const fs::path path = fs::absolute(chosen ? *chosen : default_folder(scenario_name));
+  if (fs::exists(path / "scenario.yaml") || fs::exists(path / "exchange.lcm")) {
+    throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds a run. Name a new folder, "
+                                              "or remove this one.",
+                                              path.string()));
+  }
+  create_folder(path);
+  return RunDirectory(path);
+}
+
+RunDirectory RunDirectory::open(const fs::path& path) {
+  require(fs::is_directory(path),
+          fmt::format("'{}' is not a run folder. Give the folder that `tandem run` named.",
+                      path.string()));
+  for (const char* file : {"scenario.yaml", "exchange.lcm"}) {
+    require(fs::exists(path / file),
+            fmt::format("'{}' is not a complete run folder: {} is missing.", path.string(), file));
+  }
+  return RunDirectory(fs::absolute(path));
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace tandem::orchestrator {
+
+/// Folder of one run: `runs/<scenario>/<UTC time>/`, or what the user says.
+///   scenario.yaml  resolved, complete, rerunnable     exchange.lcm  every exchange, LCM event log
+///   steps.csv      one row per macro step             ports.csv     accepted motions and wrenches
+///   bodies.csv     every rigid body                   fem/*.vtu     for ParaView
+///   mbs.log, fem.log   what the processes said        summary.json  the numbers of the run
+class RunDirectory {
+ public:
+  /// Creates the folder. A folder that already holds a run is refused when the user named it, and
+  /// avoided by a suffix when it is the default.
+  static RunDirectory create(const std::optional<std::filesystem::path>& chosen,
+                             const std::string& scenario_name);
+  /// An existing run; throws a Usage error that says what is missing.
+  static RunDirectory open(const std::filesystem::path& path);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path scenario() const { return path_ / "scenario.yaml"; }
+  [[nodiscard]] std::filesystem::path log() const { return path_ / "exchange.lcm"; }
+  [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
+  [[nodiscard]] std::filesystem::path process_log(const std::string& side) const {
+    return path_ / (side + ".log");
+  }
+
+ private:
+  explicit RunDirectory(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+}  // namespace tandem::orchestrator
