@@ -10,6 +10,9 @@
 
 namespace tandem::scenario {
 
+/// Keys of the root itself: `name` and `description`.
+[[nodiscard]] std::vector<Key> root_keys();
+
 /// Section `run`: how long, in which steps. Used by every process.
 struct RunParams {
   SimTime duration{};
@@ -35,7 +38,8 @@ struct PortParams {
 /// Section `output`, as far as the sides write files themselves.
 struct OutputParams {
   std::int64_t vtu_every_steps = 0;     ///< 0 = no .vtu files
-  std::int64_t bodies_every_steps = 1;  ///< rows of bodies.csv
+  std::int64_t bodies_every_steps = 1;  ///< rows of bodies.csv, 0 = no file
+  std::int64_t energy_every_steps = 0;  ///< booked energies, 0 = at start and end only
 };
 [[nodiscard]] Key output_keys();
 [[nodiscard]] OutputParams read_output(const Node& root);

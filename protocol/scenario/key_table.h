@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -8,11 +9,12 @@
 
 namespace tandem::scenario {
 
+class Node;
 struct Section;
 
 /// What a scenario key may hold.
 enum class Type {
-  Real,      ///< finite number; also a list of them when `count` is set
+  Real,      ///< finite number
   Integer,   ///< whole number
   Boolean,   ///< true | false (YAML 1.1's yes/no/on/off are refused: `no` is too easily a name)
   Text,      ///< free text
@@ -44,6 +46,12 @@ struct Key {
   std::size_t max_count = std::numeric_limits<std::size_t>::max();
   std::vector<std::string> choices;
   std::shared_ptr<const Section> section;
+  bool unit_length = false;  ///< Reals: Euclidean norm is 1 within 1e-3
+
+  /// The key belongs to some values of a sibling Choice only (`begin_s` to `kind: ramp`): elsewhere
+  /// it is refused and has no default. `when_key` empty = always.
+  std::string when_key;
+  std::vector<std::string> when_values;
 
   // Builders, so that a table reads as a table:
   //   real("erp", "").doc_is("…").between(0, 1).by_default("0.2")
@@ -54,14 +62,24 @@ struct Key {
   Key& at_least(double bound);            ///< value ≥ bound
   Key& between(double low, double high);  ///< low ≤ value ≤ high
   Key& below(double bound);               ///< value < bound
-  Key& count(std::size_t n);              ///< Reals: exactly n
+  Key& count(std::size_t n);              ///< Reals, Names, Sections: exactly n
   Key& count(std::size_t low, std::size_t high);
+  Key& at_least_count(std::size_t low);
+  Key& of_unit_length();  ///< Reals: a direction or a quaternion
+  Key& only_when(std::string key, std::vector<std::string> values);
 };
 
 struct Section {
   std::string title;  ///< heading on the reference page
   std::string doc;
   std::vector<Key> keys;
+  /// Key that a plain value stands for: `torque_Nm: 3` is short for `torque_Nm: {value: 3}`.
+  std::string shorthand;
+  /// What the rows cannot say one by one (lists of equal length, a < b). Called while loading for
+  /// every mapping whose keys are good; says what is wrong through Node::fail(), so that it is
+  /// reported together with all other defects of the file.
+  std::function<void(const Node&)> check;
+  bool shared = false;  ///< used under many keys: described once on the reference page
 };
 
 [[nodiscard]] Key real(std::string name, std::string unit);
@@ -74,6 +92,8 @@ struct Section {
 [[nodiscard]] Key reals(std::string name, std::string unit);
 [[nodiscard]] Key names(std::string name);
 [[nodiscard]] Key section(std::string name, Section content);
+/// A list of mappings. When `content` has a key `name` of type Name, the names must differ, and
+/// errors and --set call the entries by them.
 [[nodiscard]] Key sections(std::string name, Section content);
 
 }  // namespace tandem::scenario

@@ -12,7 +12,8 @@
 
 namespace tandem::scenario {
 
-/// Where a value stands in a file; line and column count from 1, 0 = a default or --set value.
+/// Where a value stands in a file; line and column count from 1, 0 = a --set value. A default
+/// stands where the mapping stands that leaves it out.
 struct Place {
   std::string file;
   int line = 0;
@@ -20,11 +21,11 @@ struct Place {
   [[nodiscard]] std::string text() const;  ///< "lug/scenario.yaml:12:7"
 };
 
-struct Data;  // the validated tree, shared by all nodes of one scenario
+struct Data;  // one validated mapping, see data.h
 
 /// A validated mapping of a scenario: every key is known, typed, in range and has its default, so
 /// readers ask and never check. Asking for a key that the table does not have is a defect of ours
-/// and throws std::logic_error.
+/// and throws std::logic_error; so is asking for an optional key that is left out: ask has() first.
 class Node {
  public:
   explicit Node(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
@@ -43,10 +44,14 @@ class Node {
   [[nodiscard]] Node section(std::string_view key) const;
   [[nodiscard]] std::vector<Node> list(std::string_view key) const;
 
+  /// Name from the root, as --set takes it: "mbs.bodies.crank", with `key` appended when given.
+  [[nodiscard]] std::string path_name(std::string_view key = {}) const;
+
   /// Place of a key's value, or of the mapping itself when `key` is empty or left out.
   [[nodiscard]] Place place(std::string_view key = {}) const;
 
-  /// Throws a Usage error "file:line:column: key: text" for what the table cannot express.
+  /// Throws a Usage error "file:line:column: key: text", key as path_name(), for what the table
+  /// cannot express.
   [[noreturn]] void fail(std::string_view key, const std::string& text) const;
 
  private:

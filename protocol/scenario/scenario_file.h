@@ -18,15 +18,16 @@ struct Override {
 };
 [[nodiscard]] Override parse_override(const std::string& argument);
 
-/// Keys outside the table: an error, or passed over (a side reads the whole scenario with the part
-/// of the table that concerns it).
+/// Keys outside the table: an error, or passed over (a side reads a resolved scenario with the part
+/// of the table that concerns it). Passed-over keys stay in resolved_yaml, so that a resolved
+/// scenario has the same hash whichever part of the table reads it.
 enum class UnknownKeys { Refuse, Ignore };
 
 struct Loaded {
   Node root;
   std::string
       resolved_yaml;       ///< complete: every default written out, overrides applied, rerunnable
-  std::uint64_t hash = 0;  ///< of resolved_yaml without comments; both sides compare it
+  std::uint64_t hash = 0;  ///< of resolved_yaml; both sides compare it
 };
 
 /// Reads, overrides and validates. All defects of the file are collected and thrown as one Usage

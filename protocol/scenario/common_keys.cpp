@@ -1,0 +1,136 @@
+#include "protocol/scenario/common_keys.h"
+
+#include <fmt/format.h>
+
+#include "protocol/contract/error.h"
+
+namespace tandem::scenario {
+namespace {
+
+SimTime time_of(const Node& node, std::string_view key) {
+  try {
+    return sim_time_from_seconds(node.real(key));
+  } catch (const Error& error) {
+    node.fail(key, error.what());
+  }
+}
+
+RunParams run_of(const Node& run) {
+  const RunParams params{.duration = time_of(run, "duration_s"),
+                         .macro_step = time_of(run, "macro_step_s")};
+  if (params.macro_step.count() == 0) run.fail("macro_step_s", "is below 1 ns. Raise it.");
+  const SimTime rest = params.duration % params.macro_step;
+  if (rest.count() == 0) return params;
+  const SimTime below = params.duration - rest;
+  const std::string shorter =
+      below.count() > 0 ? fmt::format("{} s or ", to_seconds(below)) : std::string();
+  run.fail("duration_s",
+           fmt::format("{} s is not a whole number of macro steps of {} s. Use {}{} s.",
+                       to_seconds(params.duration), to_seconds(params.macro_step), shorter,
+                       to_seconds(below + params.macro_step)));
+}
+
+}  // namespace
+
+std::vector<Key> root_keys() {
+  return {
+      name("name").must().doc_is("Name of the scenario; the run directory carries it."),
+      text("description").doc_is("What the scenario shows, for readers and reports."),
+  };
+}
+
+Key run_keys() {
+  Section run;
+  run.title = "Run";
+  run.doc = "How long and in which steps the coupled system is integrated.";
+  run.keys = {
+      real("duration_s", "s")
+          .must()
+          .above(0)
+          .doc_is("Simulated time, a whole number of macro steps."),
+      real("macro_step_s", "s")
+          .must()
+          .above(0)
+          .doc_is("Time between two exchanges of the sides, a whole number of nanoseconds."),
+  };
+  run.check = [](const Node& node) { (void)run_of(node); };
+  return section("run", std::move(run)).must().doc_is("Duration and macro step.");
+}
+
+RunParams read_run(const Node& root) { return run_of(root.section("run")); }
+
+Key ports_keys() {
+  Section port;
+  port.title = "Port";
+  port.doc =
+      "A place where the sides meet: the frame P fixed to a rigid body, and the nodes of the "
+      "flexible body that follow it.";
+  port.keys = {
+      name("name").must().doc_is("Name of the port in logs, errors and result files."),
+      name("body").must().doc_is("Rigid body of the multibody side that carries the port."),
+      text("node_set")
+          .must()
+          .doc_is("Node set (physical group) of the mesh that is attached to the port."),
+      reals("position_m", "m")
+          .count(3)
+          .doc_is("Position p_WP of the port's origin at t = 0 in world axes; left out: the port "
+                  "is the "
+                  "body's own frame."),
+      reals("orientation_wxyz", "")
+          .count(4)
+          .of_unit_length()
+          .by_default("[1, 0, 0, 0]")
+          .doc_is("Rotation q_WP of the port frame at t = 0 as a quaternion [w, x, y, z]; used "
+                  "with position_m."),
+  };
+  return sections("ports", std::move(port))
+      .must()
+      .at_least_count(1)
+      .doc_is("Ports, in the order in which both sides number them.");
+}
+
+std::vector<PortParams> read_ports(const Node& root) {
+  std::vector<PortParams> ports;
+  for (const Node& node : root.list("ports")) {
+    PortParams port;
+    port.name = node.text("name");
+    port.body = node.text("body");
+    port.node_set = node.text("node_set");
+    port.q_WP = node.quaternion_wxyz("orientation_wxyz");
+    port.at_body_frame = !node.has("position_m");
+    if (!port.at_body_frame) port.p_WP = node.vector3("position_m");
+    port.place = node.place();
+    ports.push_back(std::move(port));
+  }
+  return ports;
+}
+
+Key output_keys() {
+  Section output;
+  output.title = "Output";
+  output.doc = "What the sides write while they run.";
+  output.keys = {
+      integer("vtu_every_steps")
+          .at_least(0)
+          .by_default("0")
+          .doc_is("Mesh files (.vtu) every n-th macro step, 0 = none."),
+      integer("bodies_every_steps")
+          .at_least(0)
+          .by_default("1")
+          .doc_is("Rows of bodies.csv every n-th macro step, 0 = no file."),
+      integer("energy_every_steps")
+          .at_least(0)
+          .by_default("0")
+          .doc_is("Book energies every n-th macro step, 0 = at start and end only."),
+  };
+  return section("output", std::move(output)).by_default("{}").doc_is("Files the sides write.");
+}
+
+OutputParams read_output(const Node& root) {
+  const Node output = root.section("output");
+  return {.vtu_every_steps = output.integer("vtu_every_steps"),
+          .bodies_every_steps = output.integer("bodies_every_steps"),
+          .energy_every_steps = output.integer("energy_every_steps")};
+}
+
+}  // namespace tandem::scenario
