@@ -1,0 +1,221 @@
+// Schemes against closed forms on the smallest coupled system: a free mass m joined to a mass μ
+// that hangs on a spring k. With H the coupling ratio is κ = (μ + H² k)/m, and the fixed-point map
+// of one macro step is λ → −κ λ + const.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "protocol/driver/coupled_run.h"
+#include "tests/support/mock_sides.h"
+
+namespace tandem {
+namespace {
+
+using test::MassMbs;
+using test::MassSpringFem;
+
+class Journals final : public StepSink {
+ public:
+  double record(wire::StepJournal journal) override {
+    steps.push_back(std::move(journal));
+    return 0.0;
+  }
+  std::vector<wire::StepJournal> steps;
+};
+
+struct Case {
+  double mbs_kg = 1.0, fem_kg = 0.5, stiffness = 0.0, hardening = 0.0;
+  double duration_s = 0.1, step_s = 0.001;
+  CouplingParams coupling;
+};
+
+RunReport run(const Case& c, Journals& journals) {
+  MassMbs mbs(c.mbs_kg, {.x = 0.01, .v = 1.0});
+  MassSpringFem fem(c.fem_kg, c.stiffness, c.hardening);
+  const CoupledRunParams params{
+      .run = {sim_time_from_seconds(c.duration_s), sim_time_from_seconds(c.step_s)},
+      .coupling = c.coupling,
+      .scheme_name = to_string(c.coupling.scheme),
+      .make_scheme = [&](std::vector<PortInfo> p) {
+        return make_scheme(c.coupling, std::move(p));
+      }};
+  return run_coupled(params, {mbs}, {fem}, journals);
+}
+
+RunReport run(const Case& c) {
+  Journals journals;
+  return run(c, journals);
+}
+
+/// The same system as one body: backward Euler of (m + μ) v' = −k x.
+double exact_step_position(const Case& c) {
+  double x = 0.01, v = 1.0;
+  const auto n = static_cast<int>(std::lround(c.duration_s / c.step_s));
+  for (int i = 0; i < n; ++i) {
+    const double mass = c.mbs_kg + c.fem_kg;
+    v = (mass * v - c.step_s * c.stiffness * x) / (mass + c.step_s * c.step_s * c.stiffness);
+    x += c.step_s * v;
+  }
+  return x;
+}
+
+TEST(ExplicitSerial, MultipliesAnErrorOfTheWrenchByMinusKappa) {
+  // k = 0 and hold: λ_{n+1} = −μ/m λ_n exactly, so successive wrenches have the ratio −κ to
+  // round-off.
+  Case c{.fem_kg = 0.5};
+  c.coupling = {.scheme = SchemeKind::ExplicitSerial, .prediction = Prediction::Hold};
+  MassMbs mbs(c.mbs_kg, {.v = 1.0});
+  MassSpringFem fem(c.fem_kg, 0.0);
+  ExplicitSerial scheme(c.coupling, fem.info().ports);
+  InterfaceState state;
+  state.motions = mbs.initialize(WrenchSet(1));
+  state.wrenches = fem.initialize(state.motions);
+  state.wrenches[0].f_P_W.x() = 1.0;
+  const SimTime H = sim_time_from_seconds(1e-3);
+  const auto first = scheme.advance(H, state, mbs, fem);
+  EXPECT_NEAR(first.wrenches[0].f_P_W.x(), -0.5, 1e-12);
+}
+
+TEST(ExplicitSerial, IsStableBelowAndStoppedAboveTheMassRatio) {
+  Case c{.fem_kg = 0.9, .stiffness = 10.0};
+  c.coupling = {.scheme = SchemeKind::ExplicitSerial, .prediction = Prediction::Hold};
+  EXPECT_EQ(run(c).status, RunStatus::Done);
+  c.fem_kg = 1.5;
+  const RunReport report = run(c);
+  EXPECT_EQ(report.status, RunStatus::Diverged);
+  EXPECT_EQ(report.exit_code(), 3);
+  EXPECT_NE(report.message.find("port 'p'"), std::string::npos) << report.message;
+  EXPECT_NE(report.message.find("macro step"), std::string::npos) << report.message;
+  EXPECT_NE(report.message.find("interface_jacobian"), std::string::npos) << report.message;
+}
+
+TEST(ExplicitSerial, ConvergesToTheCoupledStepWithOrderOne) {
+  // Two-sided window over four halvings; κ = 0.2 so that start-up transients die out at once.
+  double last_error = 0.0;
+  for (int level = 0; level < 5; ++level) {
+    Case c{
+        .fem_kg = 0.2, .stiffness = 400.0, .duration_s = 0.16, .step_s = 1e-3 / std::pow(2, level)};
+    c.coupling = {.scheme = SchemeKind::ExplicitSerial, .prediction = Prediction::Hold};
+    const double error = std::abs(run(c).motions[0].p_WP.x() - exact_step_position(c));
+    if (level > 0) EXPECT_NEAR(std::log2(last_error / error), 1.0, 0.15) << "level " << level;
+    last_error = error;
+  }
+}
+
+TEST(Implicit, SolvesTheCoupledStepWhereExplicitDiverges) {
+  for (Relaxation relaxation : {Relaxation::Constant, Relaxation::Aitken}) {
+    Case c{.fem_kg = 1.5, .stiffness = 4000.0};
+    c.coupling = {.scheme = SchemeKind::Implicit,
+                  .max_iterations = 200,
+                  .relaxation = relaxation,
+                  .relaxation_factor = 0.4};
+    const RunReport report = run(c);
+    ASSERT_EQ(report.status, RunStatus::Done) << report.message;
+    // The residual limit 1e-10 relative over 100 steps leaves errors of about 1e-9 relative.
+    EXPECT_NEAR(report.motions[0].p_WP.x(), exact_step_position(c), 1e-9);
+  }
+}
+
+TEST(Implicit, AitkenIsExactOnAScalarAffineProblem) {
+  // With one unknown Aitken's factor is the secant method: exact for an affine map after two
+  // residuals.
+  Case c{.fem_kg = 3.0, .stiffness = 1000.0};
+  c.coupling = {.scheme = SchemeKind::Implicit, .relaxation_factor = 0.1};
+  const RunReport report = run(c);
+  ASSERT_EQ(report.status, RunStatus::Done) << report.message;
+  EXPECT_LE(report.iterations_max, 3);
+}
+
+TEST(Implicit, ReachingTheCapIsNotConvergence) {
+  Case c{.fem_kg = 5.0};
+  c.stiffness = 100.0;
+  c.coupling = {.scheme = SchemeKind::Implicit,
+                .max_iterations = 3,
+                .relaxation = Relaxation::Constant,
+                .relaxation_factor = 0.1};
+  const RunReport stopped = run(c);
+  EXPECT_EQ(stopped.status, RunStatus::NotConverged);
+  EXPECT_EQ(stopped.macro_steps, 0);
+  EXPECT_NE(stopped.message.find("max_iterations"), std::string::npos) << stopped.message;
+  c.coupling.on_not_converged = OnNotConverged::Accept;
+  const RunReport accepted = run(c);
+  EXPECT_EQ(accepted.status, RunStatus::Done);
+  EXPECT_EQ(accepted.not_converged_steps, accepted.macro_steps);
+}
+
+TEST(InterfaceJacobian, NeedsTwoEvaluationsWhereTheSidesAreAffine) {
+  Case c{.fem_kg = 50.0, .stiffness = 1e6};
+  c.coupling = {.scheme = SchemeKind::InterfaceNewton};
+  const RunReport report = run(c);
+  ASSERT_EQ(report.status, RunStatus::Done) << report.message;
+  EXPECT_LE(report.iterations_max, 2);
+  EXPECT_NEAR(report.motions[0].p_WP.x(), exact_step_position(c), 1e-9);
+}
+
+TEST(InterfaceJacobian, ConvergesOnAHardeningSpring) {
+  Case c{.fem_kg = 2.0, .stiffness = 1e4, .hardening = 1e3};
+  c.coupling = {.scheme = SchemeKind::InterfaceNewton};
+  const RunReport report = run(c);
+  ASSERT_EQ(report.status, RunStatus::Done) << report.message;
+  EXPECT_GT(report.iterations_max, 2);
+}
+
+TEST(InterfaceJacobian, RefusesASideWithoutJacobian) {
+  MassMbs mbs(1.0, {}, false);
+  MassSpringFem fem(1.0, 1.0);
+  InterfaceJacobianScheme scheme({}, fem.info().ports);
+  InterfaceState state;
+  state.motions = mbs.initialize(WrenchSet(1));
+  state.wrenches = fem.initialize(state.motions);
+  EXPECT_THROW((void)scheme.advance(sim_time_from_seconds(1e-3), state, mbs, fem), Error);
+}
+
+TEST(CoupledRun, ReportsAFailedSideWithPlaceAndCause) {
+  MassMbs mbs(1.0, {.v = 1.0});
+  MassSpringFem fem(0.1, 1.0);
+  fem.fail_at_advance = 4;
+  CouplingParams coupling{.scheme = SchemeKind::ExplicitSerial};
+  const CoupledRunParams params{
+      .run = {sim_time_from_seconds(0.01), sim_time_from_seconds(0.001)},
+      .coupling = coupling,
+      .scheme_name = "explicit_serial",
+      .make_scheme = [&](std::vector<PortInfo> p) { return make_scheme(coupling, std::move(p)); }};
+  Journals journals;
+  const RunReport report = run_coupled(params, {mbs}, {fem}, journals);
+  EXPECT_EQ(report.status, RunStatus::SolverFailed);
+  EXPECT_EQ(report.macro_steps, 3);
+  EXPECT_NE(report.message.find("macro step 4"), std::string::npos) << report.message;
+  EXPECT_NE(report.message.find("fails on purpose"), std::string::npos) << report.message;
+}
+
+TEST(CoupledRun, JournalHoldsEveryCallAndMarksTheAcceptedOnes) {
+  Case c{.fem_kg = 1.5, .stiffness = 100.0, .duration_s = 0.005};
+  c.coupling = {.scheme = SchemeKind::Implicit};
+  Journals journals;
+  const RunReport report = run(c, journals);
+  ASSERT_EQ(report.status, RunStatus::Done);
+  ASSERT_EQ(journals.steps.size(), 6U);  // initialization and five macro steps
+  for (std::size_t n = 1; n < journals.steps.size(); ++n) {
+    const wire::StepJournal& journal = journals.steps[n];
+    EXPECT_EQ(journal.calls.size(), 2U * static_cast<std::size_t>(journal.step.iterations));
+    int accepted = 0;
+    for (const wire::CallRecord& call : journal.calls) accepted += call.accepted ? 1 : 0;
+    EXPECT_EQ(accepted, 2);
+    EXPECT_TRUE(journal.calls.back().accepted);
+  }
+}
+
+TEST(CoupledRun, LedgerAddsUpToTheWallTime) {
+  // The named parts must leave less than 2 % of the wall time; here the sides cost next to nothing,
+  // so only the sum is checked: named + other = wall by booking, and nothing negative.
+  Case c{.fem_kg = 0.5, .stiffness = 100.0};
+  const RunReport report = run(c);
+  EXPECT_NEAR(report.ledger.named_s() + report.ledger.other_s, report.wall_s,
+              1e-9 + 1e-12 * report.wall_s);
+  EXPECT_GE(report.ledger.scheme_s, 0.0);
+  EXPECT_GE(report.ledger.mbs_compute_s, 0.0);
+}
+
+}  // namespace
+}  // namespace tandem
