@@ -15,6 +15,11 @@ SimTime time_of(const Node& node, std::string_view key) {
   }
 }
 
+/// Division rounds once: 11 ms reads 0.011, where count · 1e-9 reads 0.011000000000000001.
+std::string seconds_text(SimTime t) {
+  return fmt::format("{} s", static_cast<double>(t.count()) / 1e9);
+}
+
 RunParams run_of(const Node& run) {
   const RunParams params{.duration = time_of(run, "duration_s"),
                          .macro_step = time_of(run, "macro_step_s")};
@@ -23,11 +28,10 @@ RunParams run_of(const Node& run) {
   if (rest.count() == 0) return params;
   const SimTime below = params.duration - rest;
   const std::string shorter =
-      below.count() > 0 ? fmt::format("{} s or ", to_seconds(below)) : std::string();
-  run.fail("duration_s",
-           fmt::format("{} s is not a whole number of macro steps of {} s. Use {}{} s.",
-                       to_seconds(params.duration), to_seconds(params.macro_step), shorter,
-                       to_seconds(below + params.macro_step)));
+      below.count() > 0 ? fmt::format("{} or ", seconds_text(below)) : std::string();
+  run.fail("duration_s", fmt::format("{} is not a whole number of macro steps of {}. Use {}{}.",
+                                     seconds_text(params.duration), seconds_text(params.macro_step),
+                                     shorter, seconds_text(below + params.macro_step)));
 }
 
 }  // namespace

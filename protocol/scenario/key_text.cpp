@@ -8,10 +8,10 @@
 namespace tandem::scenario {
 namespace {
 
-std::string counted(const Key& key, const char* what) {
+std::string counted(const Key& key, const std::string& one) {
   const std::string count = count_text(key);
-  return count.empty() ? fmt::format("a list of {}", what)
-                       : fmt::format("a list of {} {}", count, what);
+  if (count.empty()) return fmt::format("a list of {}s", one);
+  return fmt::format("a list of {} {}{}", count, one, count.ends_with(" 1") ? "" : "s");
 }
 
 }  // namespace
@@ -40,13 +40,13 @@ std::string type_text(const Key& key) {
     case Type::Path:
       return "a file name";
     case Type::Reals:
-      return counted(key, "numbers");
+      return counted(key, "number");
     case Type::Names:
-      return counted(key, "names");
+      return counted(key, "name");
     case Type::Section:
       return "a mapping of keys to values";
     case Type::Sections:
-      return counted(key, "mappings");
+      return counted(key, "mapping");
   }
   return "";
 }

@@ -6,9 +6,9 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <tuple>
 #include <utility>
 
@@ -33,11 +33,12 @@ std::string read_text(const std::filesystem::path& file) {
                       file.string(), (file / "scenario.yaml").string()));
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  require(stream.good() || stream.eof(),
+  std::ostringstream text;
+  if (stream && stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
+  require(stream.is_open() && !stream.bad() && !text.bad(),
           fmt::format("{}: cannot be read ({}). Check its permissions.", file.string(),
                       errno != 0 ? std::strerror(errno) : "unknown cause"));
-  return text;
+  return text.str();
 }
 
 /// One line per defect in the order of the file, --set last.

@@ -66,10 +66,11 @@ std::optional<std::string> nearest(std::string_view given, const std::vector<std
     const std::string candidate = lower(name);
     const std::size_t shorter = std::min(wanted.size(), candidate.size());
     const std::size_t longer = std::max(wanted.size(), candidate.size());
-    const bool begins = shorter >= 3 && wanted.substr(0, shorter) == candidate.substr(0, shorter);
-    const std::size_t distance = edit_distance(wanted, candidate);
+    const bool begins = wanted.size() >= 3 && candidate.starts_with(wanted);
+    const std::size_t distance =
+        std::min(edit_distance(wanted, candidate), begins ? std::size_t{1} : longer);
     const bool near = distance <= std::max<std::size_t>(1, longer / 3) && distance < shorter;
-    if ((near || begins || distance == 0) && (!best || distance < best_distance)) {
+    if ((near || distance == 0) && (!best || distance < best_distance)) {
       best = name;
       best_distance = distance;
     }

@@ -9,8 +9,8 @@
 
 namespace tandem::scenario {
 
-/// The name in `known` that `given` most likely means: equal but for case, one the beginning of
-/// the other, or nearest by edit distance (at most a third of the letters differ).
+/// The name in `known` that `given` most likely means: equal but for case, begun by it, or
+/// nearest by edit distance (at most a third of the letters differ).
 [[nodiscard]] std::optional<std::string> nearest(std::string_view given,
                                                  const std::vector<std::string>& known);
 

@@ -40,7 +40,7 @@ class Validator {
       refuse(yaml, path, wrong_kind(yaml, "a mapping of keys to values"));
       return result;
     }
-    const std::size_t defects_before = defects_.size();
+    const std::size_t faults_before = faults_;
     auto data = std::make_shared<Data>();
     data->place = yaml.place;
     data->path_name = path;
@@ -55,7 +55,7 @@ class Validator {
       }
     }
     result.data = std::move(data);
-    if (section->check && defects_.size() == defects_before) run_check(*section, result.data);
+    if (section->check && faults_ == faults_before) run_check(*section, result.data);
     return result;
   }
 
@@ -68,8 +68,18 @@ class Validator {
     return full;
   }
 
+  void report(const Place& place, std::string path, std::string text) {
+    defects_.push_back({place, std::move(path), std::move(text)});
+    ++faults_;
+  }
+
+  /// A value that the parser refused is a fault here too, but it has been reported.
   void refuse(const YamlValue& yaml, const std::string& path, std::string text) {
-    if (yaml.kind != Kind::Refused) defects_.push_back({yaml.place, path, std::move(text)});
+    if (yaml.kind == Kind::Refused) {
+      ++faults_;
+    } else {
+      report(yaml.place, path, std::move(text));
+    }
   }
 
   static void put(YamlValue& mapping, const std::string& key, YamlValue value) {
@@ -91,8 +101,8 @@ class Validator {
       if (row != section.keys.end() || unknown_ == UnknownKeys::Ignore) continue;
       const Key* near = nearest_key(entry.key, section.keys);
       if (near != nullptr && yaml.find(near->name) == nullptr) meant.insert(near->name);
-      defects_.push_back({entry.place, join_path(path, entry.key),
-                          "is not a key here." + key_remedy(entry.key, section.keys)});
+      report(entry.place, join_path(path, entry.key),
+             fmt::format("is not a key here.{}", key_remedy(entry.key, section.keys)));
     }
     return meant;
   }
@@ -118,8 +128,7 @@ class Validator {
     if (key.default_text) return default_value(yaml.place, key, key_path);
     if (key.required && !meant.contains(key.name)) {
       const std::string unit = key.unit.empty() ? "" : fmt::format(" in {}", key.unit);
-      defects_.push_back(
-          {yaml.place, key_path, fmt::format("is missing. Give {}{}.", type_text(key), unit)});
+      report(yaml.place, key_path, fmt::format("is missing. Give {}{}.", type_text(key), unit));
     }
     return std::nullopt;
   }
@@ -217,7 +226,7 @@ class Validator {
   std::optional<Checked> scalars(const YamlValue& yaml, const Key& key, const std::string& path,
                                  const Parse& parse) {
     if (!check_list(yaml, key, path)) return std::nullopt;
-    const std::size_t defects_before = defects_.size();
+    const std::size_t faults_before = faults_;
     std::vector<T> values;
     YamlValue resolved = yaml;
     for (std::size_t i = 0; i < yaml.items.size(); ++i) {
@@ -229,7 +238,7 @@ class Validator {
       values.push_back(std::move(parsed.value));
     }
     if constexpr (std::is_same_v<T, double>) {
-      if (key.unit_length && defects_.size() == defects_before) check_norm(yaml, path, values);
+      if (key.unit_length && faults_ == faults_before) check_norm(yaml, path, values);
     }
     return Checked{{yaml.place, std::move(values)}, std::move(resolved)};
   }
@@ -276,15 +285,16 @@ class Validator {
     try {
       section.check(Node(data));
     } catch (const DefectError& error) {
-      defects_.push_back(error.defect());
+      report(error.defect().place, error.defect().key, error.defect().text);
     } catch (const Error& error) {
-      defects_.push_back({data->place, data->path_name, error.what()});
+      report(data->place, data->path_name, error.what());
     }
   }
 
   std::filesystem::path folder_;
   UnknownKeys unknown_;
   std::vector<Defect>& defects_;
+  std::size_t faults_ = 0;  // defects and values that the parser refused
 };
 
 }  // namespace

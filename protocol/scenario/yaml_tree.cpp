@@ -7,6 +7,7 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -78,11 +79,14 @@ class TreeBuilder final : public YAML::EventHandler {
 
   [[nodiscard]] std::string path() const {
     std::string joined;
-    for (const Open& level : open_) {
-      if (level.value.kind == Kind::List) {
-        joined = join_path(joined, std::to_string(level.value.items.size()));
-      } else if (level.entry) {
-        joined = join_path(joined, level.entry->key);
+    for (auto level = open_.begin(); level != open_.end(); ++level) {
+      if (level->value.kind == Kind::List) {
+        const auto inner = std::next(level);
+        const YamlValue* name = inner != open_.end() ? inner->value.find("name") : nullptr;
+        joined = join_path(
+            joined, name != nullptr ? name->text : std::to_string(level->value.items.size()));
+      } else if (level->entry) {
+        joined = join_path(joined, level->entry->key);
       }
     }
     return joined;
@@ -118,6 +122,9 @@ class TreeBuilder final : public YAML::EventHandler {
       return;
     }
     Open& level = open_.back();
+    // The parser places a missing value at the next word of the file, maybe lines below.
+    if (value.kind == Kind::Null)
+      value.place = level.entry ? level.entry->place : level.value.place;
     if (level.value.kind == Kind::List) {
       level.value.items.push_back(std::move(value));
     } else if (!level.entry) {
