@@ -65,14 +65,14 @@ class JournaledSide final : public Subsystem<In, Out> {
   void checkpoint() override {
     inner_.checkpoint();
     checkpoint_first_ = true;
-    rollback_first_ = false;
     ++macro_step_;
     iteration_ = 0;
   }
 
   void rollback() override {
     inner_.rollback();
-    rollback_first_ = true;
+    // Right after a checkpoint the state is the saved one already.
+    rollback_first_ = rollback_first_ || !checkpoint_first_;
   }
 
   Observation observe() override { return inner_.observe(); }

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocol/contract/error.h"
+#include "protocol/wire/journal.h"
+#include "protocol/wire/seal.h"
+
+namespace tandem::wire {
+
+/// Number of the wire format; both ends of a handshake compare it.
+inline constexpr std::int32_t kProtocolVersion = 1;
+
+enum class RequestKind : std::int32_t { Initialize = 0, Advance = 1, Observe = 2, Bye = 3 };
+
+/// One call to a side. Which of motions and wrenches is filled depends on the side.
+struct Request {
+  Header header;
+  RequestKind call = RequestKind::Observe;
+  bool checkpoint_first = false;
+  bool rollback_first = false;
+  bool linearize = false;
+  SimTime step{};
+  Segment<MotionSet> motions;
+  Segment<WrenchSet> wrenches;
+};
+
+/// Time the serving process books for one request (s).
+struct ServerCost {
+  double compute_s = 0.0;
+  double decode_s = 0.0;
+  double encode_s = 0.0;
+  double publish_s = 0.0;  ///< of the previous reply
+};
+
+struct Reply {
+  Header header;
+  ServerCost cost;
+  std::int64_t duplicates = 0;  ///< requests that came again, since the run began
+  Outcome outcome = Outcome::Done;
+  std::optional<ErrorKind> error;  ///< the side threw; `message` is its text
+  std::string message;
+  std::int32_t solver_iterations = 0;
+  std::optional<InterfaceJacobian> jacobian;
+  Observation observation;
+  MotionSet motions;
+  WrenchSet wrenches;
+};
+
+/// hello says what the driver expects of the ports; welcome says what the side is.
+struct Handshake {
+  Header header;
+  std::int32_t protocol_version = kProtocolVersion;
+  std::string tandem_version;
+  std::uint64_t scenario_hash = 0;
+  std::vector<PortInfo> ports;
+  SimTime micro_step{};
+  bool can_linearize = false;
+  std::int32_t receive_buffer_bytes = 0;
+  std::int32_t process_id = 0;
+  std::string refusal;  ///< why the side refuses; empty = welcome
+};
+
+struct Alive {
+  Header header;
+  std::int32_t process_id = 0;
+  std::string phase;
+};
+
+struct Abort {
+  Header header;
+  std::int32_t exit_code = 0;
+  std::string text;
+};
+
+struct Credit {
+  Header header;
+  std::int64_t recorded_through = 0;
+  std::int64_t wanted = 0;
+};
+
+struct Chunk {
+  Header header;
+  Kind whole_kind = Kind::Journal;
+  std::uint32_t whole_checksum = 0;
+  std::int32_t whole_bytes = 0;
+  std::int32_t index = 0;
+  std::int32_t count = 0;
+  Bytes bytes;
+};
+
+struct ScenarioText {
+  std::string scenario_yaml;
+  std::string versions;
+};
+
+/// Encoding to big-endian LCM bytes; values cross bit for bit. The result is not sealed yet.
+[[nodiscard]] Bytes encode(const Request& request);
+[[nodiscard]] Bytes encode(const Reply& reply);
+[[nodiscard]] Bytes encode(const Handshake& handshake);
+[[nodiscard]] Bytes encode(const Alive& alive);
+[[nodiscard]] Bytes encode(const Abort& abort);
+[[nodiscard]] Bytes encode(const Credit& credit);
+[[nodiscard]] Bytes encode(const Chunk& chunk);
+/// Messages of the journal: macro step and iteration of the header are those of the record.
+[[nodiscard]] Bytes encode(const Header& header, const CallRecord& call);
+[[nodiscard]] Bytes encode(const Header& header, const StepRecord& step);
+[[nodiscard]] Bytes encode(const Header& header, const StepJournal& journal);
+[[nodiscard]] Bytes encode(const Header& header, const Finished& finished);
+[[nodiscard]] Bytes encode(const Header& header, const ScenarioText& scenario);
+
+/// Decoding of a message whose seal was good. Nothing when the fingerprint is that of another
+/// schema, when the lengths it states do not add up to its size, or a value is outside its range.
+[[nodiscard]] std::optional<Request> decode_request(ByteView message);
+[[nodiscard]] std::optional<Reply> decode_reply(ByteView message);
+[[nodiscard]] std::optional<Handshake> decode_handshake(ByteView message);
+[[nodiscard]] std::optional<Alive> decode_alive(ByteView message);
+[[nodiscard]] std::optional<Abort> decode_abort(ByteView message);
+[[nodiscard]] std::optional<Credit> decode_credit(ByteView message);
+[[nodiscard]] std::optional<Chunk> decode_chunk(ByteView message);
+[[nodiscard]] std::optional<CallRecord> decode_call(ByteView message);
+[[nodiscard]] std::optional<StepRecord> decode_step(ByteView message);
+[[nodiscard]] std::optional<StepJournal> decode_journal(ByteView message);
+[[nodiscard]] std::optional<Finished> decode_finished(ByteView message);
+[[nodiscard]] std::optional<ScenarioText> decode_scenario(ByteView message);
+
+/// Offset of ServerCost::encode_s in an encoded reply: it is known only after encoding.
+inline constexpr std::size_t kReplyEncodeAt = kHeaderEnd + 4 * 4 + 2 * 8;
+
+}  // namespace tandem::wire

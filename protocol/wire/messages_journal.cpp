@@ -1,0 +1,202 @@
+#include <tandem_wire/call_t.hpp>
+#include <tandem_wire/finished_t.hpp>
+#include <tandem_wire/journal_t.hpp>
+#include <tandem_wire/scenario_t.hpp>
+#include <tandem_wire/step_t.hpp>
+
+#include "protocol/wire/codec.h"
+#include "protocol/wire/messages.h"
+
+namespace tandem::wire {
+
+using codec::count;
+using codec::from_bytes;
+using codec::kMotionBytes;
+using codec::kWrenchBytes;
+using codec::pack;
+using codec::to_bytes;
+using codec::unpack;
+
+Bytes encode(const Header& header, const CallRecord& call) {
+  tandem_wire::call_t packed;
+  packed.header = pack(header);
+  packed.header.macro_step = call.macro_step;
+  packed.header.iteration = call.iteration;
+  packed.side = static_cast<std::int32_t>(call.side);
+  packed.call = static_cast<std::int32_t>(call.kind);
+  packed.checkpoint_first = call.checkpoint_first;
+  packed.rollback_first = call.rollback_first;
+  packed.linearize = call.linearize;
+  packed.accepted = call.accepted;
+  packed.step_ns = call.step.count();
+  packed.outcome = static_cast<std::int32_t>(call.outcome);
+  packed.solver_iterations = call.solver_iterations;
+  packed.motions_begin = pack(call.motions.begin);
+  packed.motions_end = pack(call.motions.end);
+  packed.wrenches_begin = pack(call.wrenches.begin);
+  packed.wrenches_end = pack(call.wrenches.end);
+  packed.message = pack(call.message);
+  packed.n_motions_begin = count(packed.motions_begin);
+  packed.n_motions_end = count(packed.motions_end);
+  packed.n_wrenches_begin = count(packed.wrenches_begin);
+  packed.n_wrenches_end = count(packed.wrenches_end);
+  packed.n_message = count(packed.message);
+  return to_bytes(packed);
+}
+
+std::optional<CallRecord> decode_call(ByteView message) {
+  const auto packed = from_bytes(message, tandem_wire::call_t{},
+                                 {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1});
+  if (!packed || packed->side < 0 || packed->side > 1 || packed->call < 0 || packed->call > 1 ||
+      packed->outcome < 0 || packed->outcome > static_cast<int>(Outcome::Failed)) {
+    return std::nullopt;
+  }
+  CallRecord call;
+  call.side = static_cast<SideName>(packed->side);
+  call.kind = static_cast<CallKind>(packed->call);
+  call.checkpoint_first = packed->checkpoint_first != 0;
+  call.rollback_first = packed->rollback_first != 0;
+  call.linearize = packed->linearize != 0;
+  call.accepted = packed->accepted != 0;
+  call.macro_step = packed->header.macro_step;
+  call.iteration = packed->header.iteration;
+  call.step = SimTime(packed->step_ns);
+  call.outcome = static_cast<Outcome>(packed->outcome);
+  call.solver_iterations = packed->solver_iterations;
+  call.motions = {unpack(packed->motions_begin), unpack(packed->motions_end)};
+  call.wrenches = {unpack(packed->wrenches_begin), unpack(packed->wrenches_end)};
+  call.message = unpack(packed->message);
+  return call;
+}
+
+Bytes encode(const Header& header, const StepRecord& step) {
+  tandem_wire::step_t packed;
+  packed.header = pack(header);
+  packed.header.macro_step = step.macro_step;
+  packed.header.iteration = step.iterations;
+  packed.time_ns = step.time.count();
+  packed.step_ns = step.step.count();
+  packed.iterations = step.iterations;
+  packed.outcome = static_cast<std::int32_t>(step.outcome);
+  packed.residual_N = step.residual_N;
+  packed.energy_defect_J = step.energy_defect_J;
+  const Ledger& ledger = step.ledger;
+  packed.mbs_compute_s = ledger.mbs_compute_s;
+  packed.fem_compute_s = ledger.fem_compute_s;
+  packed.encode_s = ledger.encode_s;
+  packed.decode_s = ledger.decode_s;
+  packed.publish_s = ledger.publish_s;
+  packed.transit_s = ledger.transit_s;
+  packed.wait_s = ledger.wait_s;
+  packed.scheme_s = ledger.scheme_s;
+  packed.record_s = ledger.record_s;
+  packed.other_s = ledger.other_s;
+  packed.discarded_s = ledger.discarded_s;
+  packed.messages = ledger.messages;
+  packed.bytes = ledger.bytes;
+  packed.resent = ledger.resent;
+  packed.duplicates = ledger.duplicates;
+  packed.lost = ledger.lost;
+  return to_bytes(packed);
+}
+
+std::optional<StepRecord> decode_step(ByteView message) {
+  const auto packed = from_bytes(message, tandem_wire::step_t{}, {});
+  if (!packed || packed->outcome < 0 || packed->outcome > static_cast<int>(Outcome::Failed)) {
+    return std::nullopt;
+  }
+  StepRecord step;
+  step.macro_step = packed->header.macro_step;
+  step.time = SimTime(packed->time_ns);
+  step.step = SimTime(packed->step_ns);
+  step.iterations = packed->iterations;
+  step.outcome = static_cast<Outcome>(packed->outcome);
+  step.residual_N = packed->residual_N;
+  step.energy_defect_J = packed->energy_defect_J;
+  step.ledger = {.mbs_compute_s = packed->mbs_compute_s,
+                 .fem_compute_s = packed->fem_compute_s,
+                 .encode_s = packed->encode_s,
+                 .decode_s = packed->decode_s,
+                 .publish_s = packed->publish_s,
+                 .transit_s = packed->transit_s,
+                 .wait_s = packed->wait_s,
+                 .scheme_s = packed->scheme_s,
+                 .record_s = packed->record_s,
+                 .other_s = packed->other_s,
+                 .discarded_s = packed->discarded_s,
+                 .messages = packed->messages,
+                 .bytes = packed->bytes,
+                 .resent = packed->resent,
+                 .duplicates = packed->duplicates,
+                 .lost = packed->lost};
+  return step;
+}
+
+Bytes encode(const Header& header, const StepJournal& journal) {
+  tandem_wire::journal_t packed;
+  packed.header = pack(header);
+  packed.header.macro_step = journal.step.macro_step;
+  for (const CallRecord& call : journal.calls) {
+    const Bytes bytes = encode(header, call);
+    packed.call_bytes.push_back(count(bytes));
+    packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
+  }
+  const Bytes step = encode(header, journal.step);
+  packed.bytes.insert(packed.bytes.end(), step.begin(), step.end());
+  packed.n_calls = count(packed.call_bytes);
+  packed.n_bytes = count(packed.bytes);
+  return to_bytes(packed);
+}
+
+std::optional<StepJournal> decode_journal(ByteView message) {
+  const auto packed = from_bytes(message, tandem_wire::journal_t{}, {4, 1});
+  if (!packed) return std::nullopt;
+  StepJournal journal;
+  ByteView rest(packed->bytes);
+  for (const std::int32_t size : packed->call_bytes) {
+    if (size < 0 || static_cast<std::size_t>(size) > rest.size()) return std::nullopt;
+    const auto call = decode_call(rest.first(static_cast<std::size_t>(size)));
+    if (!call) return std::nullopt;
+    journal.calls.push_back(*call);
+    rest = rest.subspan(static_cast<std::size_t>(size));
+  }
+  const auto step = decode_step(rest);
+  if (!step) return std::nullopt;
+  journal.step = *step;
+  return journal;
+}
+
+Bytes encode(const Header& header, const Finished& finished) {
+  tandem_wire::finished_t packed;
+  packed.header = pack(header);
+  packed.exit_code = finished.exit_code;
+  packed.message = pack(finished.message);
+  packed.summary_json = pack(finished.summary_json);
+  packed.n_message = count(packed.message);
+  packed.n_summary_json = count(packed.summary_json);
+  return to_bytes(packed);
+}
+
+std::optional<Finished> decode_finished(ByteView message) {
+  const auto packed = from_bytes(message, tandem_wire::finished_t{}, {1, 1});
+  if (!packed) return std::nullopt;
+  return Finished{packed->exit_code, unpack(packed->message), unpack(packed->summary_json)};
+}
+
+Bytes encode(const Header& header, const ScenarioText& scenario) {
+  tandem_wire::scenario_t packed;
+  packed.header = pack(header);
+  packed.scenario_yaml = pack(scenario.scenario_yaml);
+  packed.versions = pack(scenario.versions);
+  packed.n_scenario_yaml = count(packed.scenario_yaml);
+  packed.n_versions = count(packed.versions);
+  return to_bytes(packed);
+}
+
+std::optional<ScenarioText> decode_scenario(ByteView message) {
+  const auto packed = from_bytes(message, tandem_wire::scenario_t{}, {1, 1});
+  if (!packed) return std::nullopt;
+  return ScenarioText{unpack(packed->scenario_yaml), unpack(packed->versions)};
+}
+
+}  // namespace tandem::wire

@@ -1,0 +1,172 @@
+#include "protocol/wire/remote_link.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "protocol/contract/cost.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::wire {
+namespace {
+
+constexpr double kFirstTimeout_s = 0.02;
+constexpr double kLastTimeout_s = 0.2;
+constexpr double kHelloPeriod_s = 0.05;
+constexpr double kByeTime_s = 2.0;
+
+}  // namespace
+
+RemoteLink::RemoteLink(Bus& bus, LivenessMonitor& monitor, RemoteOptions options)
+    : bus_(bus), monitor_(monitor), options_(std::move(options)) {
+  replies_ =
+      bus_.subscribe(options_.side, Kind::Reply,
+                     [this](const Header& header, ByteView message) { on_reply(header, message); });
+}
+
+Handshake RemoteLink::connect() {
+  std::optional<Handshake> welcome;
+  bool other_schema = false;
+  const Subscription subscription =
+      bus_.subscribe(options_.side, Kind::Welcome, [&](const Header&, ByteView message) {
+        welcome = decode_handshake(message);
+        other_schema = !welcome.has_value();
+      });
+  Handshake hello;
+  hello.tandem_version = options_.tandem_version;
+  hello.scenario_hash = options_.scenario_hash;
+  hello.receive_buffer_bytes = bus_.receive_buffer_bytes();
+  hello.process_id = static_cast<std::int32_t>(getpid());
+  for (const std::string& name : options_.port_names) hello.ports.push_back({name, 0.0});
+  double send_s = 0.0;
+  // Messages are not kept for late subscribers: say hello until the side is up and answers.
+  for (std::int64_t n = 1; !welcome && !other_schema;) {
+    if (now_s() >= send_s) {
+      hello.header = bus_.header(Kind::Hello, n++);
+      Bytes message = encode(hello);
+      bus_.publish(options_.side, Kind::Hello, message);
+      send_s = now_s() + kHelloPeriod_s;
+    }
+    monitor_.wait(kHelloPeriod_s);
+  }
+  require(!other_schema,
+          fmt::format("{}: {} speaks another message schema than this {}. Install both from one "
+                      "build.",
+                      text_of(options_.side), executable_of(options_.side),
+                      executable_of(bus_.options().self)));
+  check(*welcome);
+  return *welcome;
+}
+
+void RemoteLink::check(const Handshake& welcome) const {
+  require(welcome.refusal.empty(), fmt::format("{}: {} refuses the run: {}", text_of(options_.side),
+                                               executable_of(options_.side), welcome.refusal));
+  for (std::size_t i = 0; i < welcome.ports.size(); ++i) {
+    require(i < options_.port_names.size() && welcome.ports[i].name == options_.port_names[i],
+            fmt::format("{}: port {} is '{}' there, but '{}' here", text_of(options_.side), i + 1,
+                        welcome.ports[i].name,
+                        i < options_.port_names.size() ? options_.port_names[i] : "none"));
+  }
+}
+
+void RemoteLink::send(Bytes& message, std::int32_t attempt, CallCost& cost) {
+  const double begin_s = now_s();
+  const Sent sent = bus_.publish(options_.side, Kind::Request, message, attempt);
+  cost.publish_s += now_s() - begin_s;
+  cost.messages += sent.messages;
+  cost.bytes += sent.bytes;
+}
+
+void RemoteLink::on_reply(const Header& header, ByteView message) {
+  if (header.sequence != sequence_ || !reply_.empty()) {
+    ++stale_;
+    return;
+  }
+  arrival_s_ = bus_.arrival_s();
+  open_s_ = now_s() - arrival_s_;
+  reply_.assign(message.begin(), message.end());
+}
+
+Reply RemoteLink::call(Request& request, CallCost& cost) {
+  CallCost mine;
+  request.header.sequence = ++sequence_;
+  const double encode_s = now_s();
+  {
+    Header header = bus_.header(Kind::Request, sequence_);
+    header.macro_step = request.header.macro_step;
+    header.iteration = request.header.iteration;
+    request.header = header;
+  }
+  Bytes message = encode(request);
+  const double begin_s = now_s();
+  mine.encode_s = begin_s - encode_s;
+
+  reply_.clear();
+  const std::int64_t stale_before = stale_;
+  monitor_.set_macro_step(request.header.macro_step);
+  send(message, 0, mine);
+  double timeout_s = kFirstTimeout_s;
+  double resend_s = begin_s + timeout_s;
+  while (reply_.empty()) {
+    monitor_.wait(std::max(0.0, resend_s - now_s()));
+    if (!reply_.empty() || now_s() < resend_s) continue;
+    send(message, static_cast<std::int32_t>(++mine.resent), mine);
+    timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
+    resend_s = now_s() + timeout_s;
+  }
+
+  const double decode_s = now_s();
+  auto reply = decode_reply(reply_);
+  if (!reply) {
+    throw Error(ErrorKind::Partner,
+                fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "
+                            "message schema. Install both from one build.",
+                            text_of(options_.side), sequence_, request.header.macro_step,
+                            executable_of(options_.side)));
+  }
+  const ServerCost& server = reply->cost;
+  const double own_decode_s = open_s_ + now_s() - decode_s;
+  // What neither process books is on the way: kernel, wake-up, waiting for a lost message.
+  mine.transit_s = (arrival_s_ - begin_s) - mine.publish_s -
+                   (server.compute_s + server.decode_s + server.encode_s + server.publish_s);
+  mine.compute_s = server.compute_s;
+  mine.encode_s += server.encode_s;
+  mine.decode_s = own_decode_s + server.decode_s;
+  mine.publish_s += server.publish_s;
+  mine.messages += 1;
+  mine.bytes += static_cast<std::int64_t>(reply_.size());
+  mine.duplicates = (stale_ - stale_before) +
+                    (reply->duplicates - std::exchange(server_duplicates_, reply->duplicates));
+  cost += mine;
+  total_ += mine;
+  if (reply->error) {
+    throw Error(*reply->error, fmt::format("{}: {}", text_of(options_.side), reply->message));
+  }
+  return std::move(*reply);
+}
+
+void RemoteLink::bye() {
+  Request request;
+  request.call = RequestKind::Bye;
+  request.header = bus_.header(Kind::Request, ++sequence_);
+  Bytes message = encode(request);
+  reply_.clear();
+  const double end_s = now_s() + kByeTime_s;
+  double timeout_s = kFirstTimeout_s;
+  // A side that is gone already has had its bye: not worth an error.
+  for (std::int32_t attempt = 0; reply_.empty() && now_s() < end_s; ++attempt) {
+    send(message, attempt, total_);
+    const double resend_s = now_s() + timeout_s;
+    while (reply_.empty() && now_s() < resend_s) monitor_.wait(std::max(0.0, resend_s - now_s()));
+    timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
+  }
+  for (std::int32_t attempt = 0; attempt < 3; ++attempt) {
+    Bytes closed = encode(Credit{bus_.header(Kind::Closed, sequence_), 0, 0});
+    bus_.publish(options_.side, Kind::Closed, closed, attempt);
+  }
+}
+
+}  // namespace tandem::wire

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocol/wire/bus.h"
+#include "protocol/wire/liveness.h"
+#include "protocol/wire/messages.h"
+
+namespace tandem::wire {
+
+/// What the driver expects of a side.
+struct RemoteOptions {
+  Process side = Process::Fem;  ///< Mbs or Fem
+  std::uint64_t scenario_hash = 0;
+  std::vector<std::string> port_names;
+  std::string tandem_version;
+};
+
+/// Client end of the exchange with one side: numbered requests, one open at a time, repeated after
+/// a time-out (20 ms, doubling to 200 ms) until the reply of the same number is here. The server
+/// executes a number once, so each step is made exactly once on a lossy wire.
+class RemoteLink {
+ public:
+  RemoteLink(Bus& bus, LivenessMonitor& monitor, RemoteOptions options);
+
+  /// Says hello until the side says welcome. Throws tandem::Error (Usage) when it is of another
+  /// version, scenario or port table.
+  Handshake connect();
+
+  /// Sends the request and waits for its reply; adds what it cost to `cost`. Throws tandem::Error
+  /// with the side's name when the side threw, or is not heard any more.
+  Reply call(Request& request, CallCost& cost);
+
+  /// Ends the side's server.
+  void bye();
+
+  [[nodiscard]] const CallCost& total() const { return total_; }
+
+ private:
+  void send(Bytes& message, std::int32_t attempt, CallCost& cost);
+  void on_reply(const Header& header, ByteView message);
+  void check(const Handshake& welcome) const;
+
+  Bus& bus_;
+  LivenessMonitor& monitor_;
+  RemoteOptions options_;
+  Subscription replies_;
+  std::int64_t sequence_ = 0;
+  Bytes reply_;  ///< of sequence_, empty while it is open
+  double arrival_s_ = 0.0;
+  double open_s_ = 0.0;                 ///< checking and copying it
+  std::int64_t stale_ = 0;              ///< replies that came again
+  std::int64_t server_duplicates_ = 0;  ///< as the server last reported
+  CallCost total_;
+};
+
+}  // namespace tandem::wire

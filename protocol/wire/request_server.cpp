@@ -1,0 +1,176 @@
+#include "protocol/wire/request_server.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "protocol/contract/cost.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::wire {
+namespace {
+
+constexpr double kIdle_s = 0.1;
+// A long step lets repetitions of its request pile up in the socket. Its reply has just been sent;
+// those that are older than the client's shortest time-out need no other one.
+constexpr double kRepeatPause_s = 0.01;
+
+}  // namespace
+
+RequestServer::RequestServer(Bus& bus, LivenessMonitor& monitor, ServerOptions options,
+                             const SubsystemInfo& info, Execute execute)
+    : bus_(bus),
+      monitor_(monitor),
+      options_(std::move(options)),
+      info_(info),
+      execute_(std::move(execute)) {}
+
+void RequestServer::run() {
+  const Process self = bus_.options().self;
+  const Subscription hello = bus_.subscribe(
+      self, Kind::Hello, [this](const Header&, ByteView message) { on_hello(message); });
+  const Subscription request = bus_.subscribe(
+      self, Kind::Request,
+      [this](const Header& header, ByteView message) { on_request(header, message); });
+  const Subscription closed =
+      bus_.subscribe(self, Kind::Closed, [this](const Header&, ByteView) { closed_ = done_; });
+  if (options_.heartbeat != nullptr) options_.heartbeat->set_phase("waiting for the driver");
+  while (!done_ && !failure_) monitor_.wait(kIdle_s);
+  // The last answer may have been lost: stay for repetitions until the client confirms it.
+  const double end_s = now_s() + options_.linger_s;
+  while (!closed_ && now_s() < end_s) {
+    try {
+      monitor_.wait(std::min(kIdle_s, std::max(0.0, end_s - now_s())));
+    } catch (const Error&) {
+      break;  // the client has ended: nobody is left who could ask again
+    }
+  }
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+std::string RequestServer::mismatch(const Handshake& hello) const {
+  if (hello.protocol_version != kProtocolVersion) {
+    return fmt::format("protocol version {} there, {} here. Install both from one build.",
+                       hello.protocol_version, kProtocolVersion);
+  }
+  if (hello.tandem_version != options_.tandem_version) {
+    return fmt::format("Tandem {} there, {} here. Install both from one build.",
+                       hello.tandem_version, options_.tandem_version);
+  }
+  if (hello.scenario_hash != options_.scenario_hash) {
+    return fmt::format("scenario hash {:016x} there, {:016x} here. Give both the same file.",
+                       hello.scenario_hash, options_.scenario_hash);
+  }
+  const auto same_name = [](const PortInfo& a, const PortInfo& b) { return a.name == b.name; };
+  if (!std::equal(hello.ports.begin(), hello.ports.end(), info_.ports.begin(), info_.ports.end(),
+                  same_name)) {
+    const auto list = [](const std::vector<PortInfo>& ports) {
+      std::string names;
+      for (const PortInfo& port : ports) names += (names.empty() ? "" : ", ") + port.name;
+      return names;
+    };
+    return fmt::format("ports [{}] there, [{}] here. Give both the same file.", list(hello.ports),
+                       list(info_.ports));
+  }
+  return {};
+}
+
+void RequestServer::on_hello(ByteView message) {
+  Handshake welcome;
+  if (const auto hello = decode_handshake(message)) {
+    welcome.refusal = mismatch(*hello);
+  } else {
+    welcome.refusal = "another message schema. Install both from one build.";
+  }
+  welcome.header = bus_.header(Kind::Welcome, 1);
+  welcome.tandem_version = options_.tandem_version;
+  welcome.scenario_hash = options_.scenario_hash;
+  welcome.ports = info_.ports;
+  welcome.micro_step = info_.micro_step;
+  welcome.can_linearize = info_.can_linearize;
+  welcome.receive_buffer_bytes = bus_.receive_buffer_bytes();
+  welcome.process_id = static_cast<std::int32_t>(getpid());
+  Bytes bytes = encode(welcome);
+  bus_.publish(bus_.options().self, Kind::Welcome, bytes);
+  if (options_.heartbeat != nullptr) options_.heartbeat->set_phase("answering the driver");
+  // Stays and refuses again for as long as it lingers: the refusal may be lost.
+  if (!welcome.refusal.empty() && !failure_) {
+    failure_ = std::make_exception_ptr(
+        Error(ErrorKind::Usage, fmt::format("{}: the driver does not fit: {}",
+                                            text_of(bus_.options().self), welcome.refusal)));
+  }
+}
+
+void RequestServer::on_request(const Header& header, ByteView message) {
+  if (header.sequence == last_ + 1 && !done_ && !failure_) {
+    execute(message);
+    return;
+  }
+  if (header.sequence <= last_) ++duplicates_;
+  if (header.sequence == last_) repeat_reply();
+  if (header.sequence > last_ + 1 && !failure_) {
+    failure_ = std::make_exception_ptr(
+        Error(ErrorKind::Partner,
+              fmt::format(
+                  "{}: request {} (macro step {}) arrived after request {}: the ones between were "
+                  "never sent. Is a second driver on this run?",
+                  text_of(bus_.options().self), header.sequence, header.macro_step, last_)));
+  }
+}
+
+void RequestServer::execute(ByteView message) {
+  const double begin_s = bus_.arrival_s();
+  const auto request = decode_request(message);
+  if (!request) {
+    bus_.count_undecodable();
+    return;
+  }
+  Reply reply;
+  reply.header = bus_.header(Kind::Reply, request->header.sequence);
+  reply.header.macro_step = request->header.macro_step;
+  reply.header.iteration = request->header.iteration;
+  monitor_.set_macro_step(request->header.macro_step);
+  if (options_.heartbeat != nullptr) {
+    options_.heartbeat->set_macro_step(request->header.macro_step);
+  }
+  const double compute_s = now_s();
+  reply.cost.decode_s = compute_s - begin_s;
+  try {
+    execute_(*request, reply);
+  } catch (const Error& error) {
+    reply.error = error.kind();
+    reply.message = error.what();
+    failure_ = std::current_exception();
+  } catch (const std::exception& error) {
+    reply.error = ErrorKind::Partner;
+    reply.message = error.what();
+    failure_ = std::current_exception();
+  }
+  reply.cost.compute_s = now_s() - compute_s;
+  last_ = request->header.sequence;
+  publish_reply(reply);
+  done_ = request->call == RequestKind::Bye;
+}
+
+void RequestServer::publish_reply(Reply& reply) {
+  reply.cost.publish_s = publish_cost_s_;
+  reply.duplicates = duplicates_;
+  const double begin_s = now_s();
+  reply_ = encode(reply);
+  const double publish_s = now_s();
+  patch_double(reply_, kReplyEncodeAt, publish_s - begin_s);
+  repeats_ = 0;
+  bus_.publish(bus_.options().self, Kind::Reply, reply_, 0);
+  reply_s_ = now_s();
+  publish_cost_s_ = reply_s_ - publish_s;
+}
+
+void RequestServer::repeat_reply() {
+  if (now_s() - reply_s_ < kRepeatPause_s) return;
+  bus_.publish(bus_.options().self, Kind::Reply, reply_, ++repeats_);
+  reply_s_ = now_s();
+}
+
+}  // namespace tandem::wire

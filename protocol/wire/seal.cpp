@@ -1,0 +1,134 @@
+#include "protocol/wire/seal.h"
+
+#include <zlib.h>
+
+#include <array>
+#include <bit>
+
+namespace tandem::wire {
+namespace {
+
+constexpr std::size_t kChecksumAt = 8;
+constexpr std::size_t kAttemptAt = 44;
+
+// lcm-gen writes all numbers big endian.
+template <class Word>
+Word read_word(ByteView message, std::size_t offset) {
+  Word word = 0;
+  for (std::size_t i = 0; i < sizeof(Word); ++i) {
+    word = static_cast<Word>((word << 8U) | message[offset + i]);
+  }
+  return word;
+}
+
+template <class Word>
+void write_word(Bytes& message, std::size_t offset, Word word) {
+  for (std::size_t i = 0; i < sizeof(Word); ++i) {
+    message[offset + i] = static_cast<std::uint8_t>(word >> (8U * (sizeof(Word) - 1 - i)));
+  }
+}
+
+}  // namespace
+
+const char* text_of(Kind kind) {
+  switch (kind) {
+    case Kind::Hello:
+      return "hello";
+    case Kind::Welcome:
+      return "welcome";
+    case Kind::Request:
+      return "request";
+    case Kind::Reply:
+      return "reply";
+    case Kind::Closed:
+      return "closed";
+    case Kind::Alive:
+      return "alive";
+    case Kind::Abort:
+      return "abort";
+    case Kind::Journal:
+      return "journal";
+    case Kind::Credit:
+      return "credit";
+    case Kind::Finished:
+      return "finished";
+    case Kind::Chunk:
+      return "chunk";
+    case Kind::Call:
+      return "call";
+    case Kind::Step:
+      return "step";
+    case Kind::Scenario:
+      return "scenario";
+    case Kind::SelfTest:
+      return "selftest";
+  }
+  return "unknown";
+}
+
+const char* text_of(Process process) {
+  switch (process) {
+    case Process::Mbs:
+      return "mbs";
+    case Process::Fem:
+      return "fem";
+    case Process::Orchestrator:
+      return "orchestrator";
+    case Process::Tool:
+      return "tool";
+  }
+  return "unknown";
+}
+
+const char* executable_of(Process process) {
+  switch (process) {
+    case Process::Mbs:
+      return "tandem-mbs";
+    case Process::Fem:
+      return "tandem-fem";
+    case Process::Orchestrator:
+      return "tandem (the orchestrator)";
+    case Process::Tool:
+      return "a tool";
+  }
+  return "unknown";
+}
+
+std::uint32_t checksum_of(ByteView message) {
+  static constexpr std::array<std::uint8_t, 4> kZero{};
+  const auto size = [](std::size_t n) { return static_cast<uInt>(n); };
+  const ByteView rest = message.subspan(kChecksumAt + 4);
+  uLong crc = crc32(0, message.data(), size(kChecksumAt));
+  crc = crc32(crc, kZero.data(), size(kZero.size()));
+  crc = crc32(crc, rest.data(), size(rest.size()));
+  return static_cast<std::uint32_t>(crc);
+}
+
+void seal(Bytes& message, std::int32_t attempt) {
+  write_word(message, kAttemptAt, static_cast<std::uint32_t>(attempt));
+  write_word(message, kChecksumAt, checksum_of(message));
+}
+
+std::optional<Header> open_seal(ByteView message) {
+  if (message.size() < kHeaderEnd) return std::nullopt;
+  Header header;
+  header.checksum = read_word<std::uint32_t>(message, kChecksumAt);
+  if (header.checksum != checksum_of(message)) return std::nullopt;
+  header.run_id = read_word<std::uint64_t>(message, 12);
+  header.sequence = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 20));
+  header.macro_step = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 28));
+  header.iteration = static_cast<std::int32_t>(read_word<std::uint32_t>(message, 36));
+  header.kind = static_cast<Kind>(read_word<std::uint32_t>(message, 40));
+  header.attempt = static_cast<std::int32_t>(read_word<std::uint32_t>(message, kAttemptAt));
+  const auto sender = read_word<std::uint32_t>(message, 48);
+  if (sender >= kProcesses) return std::nullopt;
+  header.sender = static_cast<Process>(sender);
+  header.time_us = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 52));
+  return header;
+}
+
+void patch_double(Bytes& message, std::size_t offset, double value) {
+  write_word(message, offset, std::bit_cast<std::uint64_t>(value));
+}
+
+}  // namespace tandem::wire

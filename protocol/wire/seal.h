@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace tandem::wire {
+
+using Bytes = std::vector<std::uint8_t>;
+using ByteView = std::span<const std::uint8_t>;
+
+/// What a message is. Numbers are part of the wire format: never reuse one.
+enum class Kind : std::int32_t {
+  Hello = 1,
+  Welcome = 2,
+  Request = 3,
+  Reply = 4,
+  Closed = 5,
+  Alive = 6,
+  Abort = 7,
+  Journal = 8,
+  Credit = 9,
+  Finished = 10,
+  Chunk = 11,
+  Call = 12,
+  Step = 13,
+  Scenario = 14,
+  SelfTest = 15,
+};
+[[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
+
+/// The processes of a run.
+enum class Process : std::int32_t { Mbs = 0, Fem = 1, Orchestrator = 2, Tool = 3 };
+inline constexpr std::size_t kProcesses = 4;
+[[nodiscard]] const char* text_of(Process process);        ///< "mbs"
+[[nodiscard]] const char* executable_of(Process process);  ///< "tandem-mbs"
+
+/// First member of every message; types/header.lcm says what each field means.
+struct Header {
+  std::uint32_t checksum = 0;
+  std::uint64_t run_id = 0;
+  std::int64_t sequence = 0;
+  std::int64_t macro_step = 0;
+  std::int32_t iteration = 0;
+  Kind kind = Kind::Hello;
+  std::int32_t attempt = 0;
+  Process sender = Process::Tool;
+  std::int64_t time_us = 0;
+};
+
+/// Offset (bytes) of the first byte behind the header: 8 bytes fingerprint, 52 bytes header.
+inline constexpr std::size_t kHeaderEnd = 60;
+
+/// Writes `attempt` and the checksum into an encoded message.
+void seal(Bytes& message, std::int32_t attempt = 0);
+
+/// CRC-32 (zlib) of an encoded message with its checksum field taken as zero.
+[[nodiscard]] std::uint32_t checksum_of(ByteView message);
+
+/// The header, or nothing when the message is too short or its checksum does not fit: damaged
+/// messages are dropped here, before anything is decoded.
+[[nodiscard]] std::optional<Header> open_seal(ByteView message);
+
+/// Overwrites one double (big endian, as lcm-gen writes it) of a not yet sealed message.
+void patch_double(Bytes& message, std::size_t offset, double value);
+
+}  // namespace tandem::wire
