@@ -1,1 +1,5 @@
 # Tests of mbs, one executable a line.
+tandem_test(test_mbs_contract
+  SOURCES contract/mbs_rollback_test.cpp
+  LIBS mbs
+  LABELS contract)

@@ -1,0 +1,20 @@
+// tandem-mbs: the multibody process. Runs the scheme, or serves the process that does.
+
+#include "mbs_process/make_side.h"
+#include "mbs_process/mbs_keys.h"
+#include "protocol/driver/side_process.h"
+
+int main(int argc, char** argv) {
+  using namespace tandem;
+  const SideProgram program{
+      .self = wire::Process::Mbs,
+      .name = "tandem-mbs",
+      .description = "Multibody process of a coupled run: rigid bodies and joints on ODE.",
+      .keys = mbs::mbs_keys()};
+  return run_side_process(program, argc, argv, [](SideContext& context) {
+    const auto side = mbs::make_side(context.scenario.root, context.directory);
+    if (context.driver == wire::Process::Mbs) return drive_from_mbs(context, *side);
+    serve_side(context, *side);
+    return 0;
+  });
+}

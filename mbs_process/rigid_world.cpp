@@ -1,0 +1,279 @@
+#include "mbs_process/rigid_world.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "mbs_process/port_jacobian.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::mbs {
+namespace {
+
+Params checked(Params params) {
+  check(params);
+  for (BodyParams& body : params.bodies) body.q_WB.normalize();
+  for (scenario::PortParams& port : params.ports) port.q_WP.normalize();
+  return params;
+}
+
+State initial_state(const Params& params) {
+  State state;
+  for (const BodyParams& body : params.bodies) {
+    state.bodies.push_back({body.p_WB, body.q_WB, body.v_WB, body.w_WB});
+  }
+  state.joint_coordinates.assign(params.joints.size(), {0.0, 0.0});
+  return state;
+}
+
+bool all_finite(const BodyState& body) {
+  return body.p_WB.allFinite() && body.q_WB.coeffs().allFinite() && body.v_WB.allFinite() &&
+         body.w_WB.allFinite();
+}
+
+std::string at_time(SimTime t) { return " at t = " + std::to_string(to_seconds(t)) + " s"; }
+
+}  // namespace
+
+RigidWorld::RigidWorld(Params params)
+    : params_(checked(std::move(params))),
+      loads_(params_),
+      world_(params_),
+      state_(initial_state(params_)),
+      saved_(state_) {
+  info_.name = "mbs";
+  info_.micro_step = params_.micro_step.value_or(params_.macro_step);
+  info_.can_linearize = true;
+  for (const scenario::PortParams& port : params_.ports) {
+    info_.ports.push_back({.name = port.name, .length_m = 0.0});
+    const std::size_t index = body_index(params_, port.body).value();
+    const BodyParams& body = params_.bodies[index];
+    if (port.at_body_frame) {
+      ports_.push_back({index, Eigen::Vector3d::Zero(), Eigen::Quaterniond::Identity()});
+    } else {
+      const Eigen::Quaterniond q_BW = body.q_WB.conjugate();
+      ports_.push_back({index, q_BW * (port.p_WP - body.p_WB), q_BW * port.q_WP});
+    }
+  }
+}
+
+MotionSet RigidWorld::initialize(const WrenchSet& wrenches) {
+  require(wrenches.size() == ports_.size(), "mbs: initialize was given " +
+                                                std::to_string(wrenches.size()) + " wrenches for " +
+                                                std::to_string(ports_.size()) + " ports.");
+  state_ = initial_state(params_);
+  saved_ = state_;
+  return motions_of(state_);
+}
+
+StepResult<MotionSet> RigidWorld::advance(const StepRequest<WrenchSet>& request) {
+  const double started_s = now_s();
+  const std::size_t count = ports_.size();
+  require(request.input.begin.size() == count && request.input.end.size() == count,
+          "mbs: advance needs one wrench per port at both ends of the step: " +
+              std::to_string(count) + ".");
+  StepResult<MotionSet> result;
+  const State begin = state_;
+  State end = state_;
+  std::optional<std::string> failure = integrate(end, request.step, request.input);
+  if (!failure && request.linearize) {
+    std::string probe_failure;
+    result.jacobian = probe(begin, end, request, probe_failure);
+    if (!result.jacobian) failure = probe_failure;
+  }
+  if (failure) {
+    result.message = *failure;
+    // Whatever ODE was in the middle of is thrown away; the state lives here.
+    world_ = OdeWorld(params_);
+  } else {
+    state_ = std::move(end);
+    result.outcome = Outcome::Done;
+    result.message.clear();
+    result.output = motions_of(state_);
+  }
+  result.cost.compute_s = now_s() - started_s;
+  return result;
+}
+
+void RigidWorld::checkpoint() {
+  saved_ = state_;
+  if (sink_) sink_(saved_);
+}
+
+void RigidWorld::rollback() { state_ = saved_; }
+
+Observation RigidWorld::observe() {
+  Observation observation;
+  observation.time = state_.time;
+  observation.energy.kinetic_J = kinetic_energy_J(state_);
+  observation.energy.potential_J = loads_.spring_energy_J(state_);
+  for (std::size_t i = 0; i < state_.bodies.size(); ++i) {
+    observation.energy.potential_J -=
+        params_.bodies[i].mass_kg * params_.gravity_m_per_s2.dot(state_.bodies[i].p_WB);
+  }
+  observation.energy.external_work_J = state_.external_work_J;
+  observation.state_hash = hash_of(state_);
+  return observation;
+}
+
+SimTime RigidWorld::micro_step_of(SimTime macro_step) const {
+  require(macro_step.count() > 0, "mbs: a step must be longer than 0.");
+  const SimTime h = params_.micro_step.value_or(macro_step);
+  require(macro_step % h == SimTime{},
+          "mbs: the macro step of " + std::to_string(macro_step.count()) +
+              " ns is no whole multiple of mbs.micro_step_s = " + std::to_string(h.count()) +
+              " ns. Change one of them.");
+  return h;
+}
+
+MotionSet RigidWorld::motions_of(const State& state) const {
+  MotionSet motions;
+  motions.reserve(ports_.size());
+  for (const Port& port : ports_) {
+    const BodyState& body = state.bodies[port.body];
+    const Eigen::Vector3d r = body.q_WB * port.p_BP;
+    motions.push_back({.p_WP = body.p_WB + r,
+                       .q_WP = (body.q_WB * port.q_BP).normalized(),
+                       .v_WP = body.v_WB + body.w_WB.cross(r),
+                       .w_WP = body.w_WB});
+  }
+  return motions;
+}
+
+std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_step,
+                                                 const Segment<WrenchSet>& input) {
+  const SimTime h = micro_step_of(macro_step);
+  const std::int64_t n = macro_step / h;
+  for (const WrenchSet* wrenches : {&input.begin, &input.end}) {
+    if (!tandem::all_finite(*wrenches)) {
+      return "mbs: a port wrench is not finite" + at_time(state.time) +
+             ". The coupling has diverged: shorten the macro step.";
+    }
+  }
+  for (std::int64_t j = 1; j <= n; ++j) {
+    const double s = static_cast<double>(j) / static_cast<double>(n);
+    if (auto failure = integrate_micro_step(state, h, interpolate(input, s, macro_step))) {
+      return failure;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTime h,
+                                                            const WrenchSet& wrenches) {
+  const double h_s = to_seconds(h);
+  std::vector<BodyWrench> applied(state.bodies.size());
+  std::vector<BodyWrench> booked(state.bodies.size());
+  loads_.add_to(state, to_seconds(state.time + h), applied, booked);
+  add_port_wrenches(state, wrenches, applied);
+  const std::vector<BodyState> before = state.bodies;
+  try {
+    world_.load(state.bodies);
+    command_motors(state, h_s);
+    world_.step(h_s, applied);
+    world_.read(state.bodies);
+  } catch (const OdeFault& fault) {
+    return "mbs: " + std::string(fault.what()) + at_time(state.time) +
+           ". Shorten the step, or raise mbs.cfm where joints constrain the same motion twice.";
+  }
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (all_finite(state.bodies[i])) continue;
+    return "mbs: the motion of body '" + params_.bodies[i].name + "' is not finite" +
+           at_time(state.time + h) + ". Shorten the step or check the loads on it.";
+  }
+  // Work over the step: exact for the linear momentum equation, as Δ(½ m v²) = Σ f h · (v + v⁺)/2.
+  world_.add_reactions(booked);
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    state.external_work_J += 0.5 * h_s *
+                             (booked[i].f_B_W.dot(before[i].v_WB + state.bodies[i].v_WB) +
+                              booked[i].t_B_W.dot(before[i].w_WB + state.bodies[i].w_WB));
+  }
+  track_coordinates(state);
+  state.time += h;
+  return std::nullopt;
+}
+
+void RigidWorld::command_motors(const State& state, double h_s) {
+  const double t = to_seconds(state.time);
+  for (std::size_t j = 0; j < params_.joints.size(); ++j) {
+    const auto& motor = params_.joints[j].motor;
+    if (!motor) continue;
+    double speed = motor->law(t + h_s);
+    if (motor->kind == MotorParams::Kind::Position) {
+      const double coordinate =
+          state.joint_coordinates[j][static_cast<std::size_t>(motor->axis - 1)];
+      const double target = motor->law(t) - motor->law(0.0);
+      speed = (speed - motor->law(t) - params_.erp * (coordinate - target)) / h_s;
+    }
+    world_.set_motor_speed(j, speed);
+  }
+}
+
+void RigidWorld::add_port_wrenches(const State& state, const WrenchSet& wrenches,
+                                   std::vector<BodyWrench>& applied) const {
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    BodyWrench& on_body = applied[ports_[i].body];
+    on_body.add_at(state.bodies[ports_[i].body].q_WB * ports_[i].p_BP, wrenches[i].f_P_W);
+    on_body.t_B_W += wrenches[i].t_P_W;
+  }
+}
+
+void RigidWorld::track_coordinates(State& state) const {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  for (std::size_t j = 0; j < params_.joints.size(); ++j) {
+    std::array<double, 2> now = world_.coordinates(j);
+    if (params_.joints[j].kind != JointKind::Slider) {
+      // ODE measures an angle within one turn; the nearest to the last one is meant.
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        now[axis] += kTurn * std::round((state.joint_coordinates[j][axis] - now[axis]) / kTurn);
+      }
+    }
+    state.joint_coordinates[j] = now;
+  }
+}
+
+double RigidWorld::kinetic_energy_J(const State& state) const {
+  double energy = 0.0;
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const BodyState& body = state.bodies[i];
+    const Eigen::Vector3d w_B = body.q_WB.conjugate() * body.w_WB;
+    energy += 0.5 * (params_.bodies[i].mass_kg * body.v_WB.squaredNorm() +
+                     w_B.dot(params_.bodies[i].inertia_B() * w_B));
+  }
+  return energy;
+}
+
+std::optional<InterfaceJacobian> RigidWorld::probe(const State& begin, const State& end,
+                                                   const StepRequest<WrenchSet>& request,
+                                                   std::string& failure) {
+  const auto count = static_cast<Eigen::Index>(ports_.size());
+  InterfaceJacobian jacobian(12 * count, 6 * count);
+  StepRequest<WrenchSet> probed = request;
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    const ProbeSizes sizes =
+        probe_sizes(params_.bodies[ports_[i].body], ports_[i].p_BP, to_seconds(request.step));
+    for (int direction = 0; direction < 6; ++direction) {
+      probed.input.end = request.input.end;
+      Wrench& wrench = probed.input.end[i];
+      const bool is_force = direction < 3;
+      double& component = is_force ? wrench.f_P_W[direction] : wrench.t_P_W[direction - 3];
+      const double unperturbed = component;
+      component += is_force ? sizes.force_N : sizes.torque_Nm;
+      const double delta = component - unperturbed;
+      State state = begin;
+      if (auto failed = integrate(state, request.step, probed.input)) {
+        failure = "mbs: probing port '" + info_.ports[i].name + "' failed: " + *failed;
+        return std::nullopt;
+      }
+      const auto column = 6 * static_cast<Eigen::Index>(i) + direction;
+      for (Eigen::Index k = 0; k < count; ++k) {
+        const Port& port = ports_[static_cast<std::size_t>(k)];
+        jacobian.block<12, 1>(12 * k, column) =
+            port_derivative(end.bodies[port.body], state.bodies[port.body], port.p_BP, delta);
+      }
+    }
+  }
+  return jacobian;
+}
+
+}  // namespace tandem::mbs

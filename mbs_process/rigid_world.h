@@ -1,0 +1,80 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "mbs_process/loads.h"
+#include "mbs_process/ode_world.h"
+#include "mbs_process/params.h"
+#include "mbs_process/state.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem::mbs {
+
+/// The multibody side: rigid bodies and joints on ODE, with ports that wrenches act at.
+///
+/// A port frame P is fixed in its body's frame B:
+///   p_WP = p_WB + R_WB p_BP,   v_WP = v_WB + w_WB × (R_WB p_BP),   w_WP = w_WB.
+/// A macro step H = n h makes n steps of OdeWorld; step j = 1…n applies the wrenches that the
+/// segment has at j/n (the end value when n = 1) in the pose at the beginning of the step.
+/// The result is a pure function of state and request: bit-identical after any rollback.
+///
+/// Cost: one dWorldStep per micro step, cubic in the number of bodies of one mechanism; with
+/// `linearize`, 6 further advances per port.
+class RigidWorld final : public MbsSide {
+ public:
+  /// Throws a Usage error when check(params) does.
+  explicit RigidWorld(Params params);
+
+  [[nodiscard]] const SubsystemInfo& info() const override { return info_; }
+  /// Motions at t = 0, which do not depend on the wrenches. Joints' velocity errors at t = 0 are
+  /// removed by the first step.
+  MotionSet initialize(const WrenchSet& wrenches) override;
+  StepResult<MotionSet> advance(const StepRequest<WrenchSet>& request) override;
+  void checkpoint() override;
+  void rollback() override;
+  Observation observe() override;
+
+  /// Called with every state that checkpoint() accepts, e.g. to write bodies.csv.
+  using AcceptedStateSink = std::function<void(const State&)>;
+  void on_accepted_state(AcceptedStateSink sink) { sink_ = std::move(sink); }
+
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] const Params& params() const { return params_; }
+
+ private:
+  struct Port {
+    std::size_t body;
+    Eigen::Vector3d p_BP;
+    Eigen::Quaterniond q_BP;
+  };
+
+  [[nodiscard]] SimTime micro_step_of(SimTime macro_step) const;
+  [[nodiscard]] MotionSet motions_of(const State& state) const;
+  /// Advances `state` by H. Returns what went wrong, or none; `state` is then of no use.
+  std::optional<std::string> integrate(State& state, SimTime macro_step,
+                                       const Segment<WrenchSet>& input);
+  std::optional<std::string> integrate_micro_step(State& state, SimTime h,
+                                                  const WrenchSet& wrenches);
+  void command_motors(const State& state, double h_s);
+  void add_port_wrenches(const State& state, const WrenchSet& wrenches,
+                         std::vector<BodyWrench>& applied) const;
+  void track_coordinates(State& state) const;
+  [[nodiscard]] double kinetic_energy_J(const State& state) const;
+  std::optional<InterfaceJacobian> probe(const State& begin, const State& end,
+                                         const StepRequest<WrenchSet>& request,
+                                         std::string& failure);
+
+  Params params_;
+  SubsystemInfo info_;
+  std::vector<Port> ports_;
+  Loads loads_;
+  OdeWorld world_;
+  State state_;
+  State saved_;
+  AcceptedStateSink sink_;
+};
+
+}  // namespace tandem::mbs
