@@ -214,6 +214,15 @@ class CoupledRun {
 
 }  // namespace
 
+CoupledRunParams scheme_run(const scenario::RunParams& run, const CouplingParams& coupling) {
+  return {.run = run,
+          .coupling = coupling,
+          .scheme_name = to_string(coupling.scheme),
+          .make_scheme = [coupling](std::vector<PortInfo> ports) {
+            return make_scheme(coupling, std::move(ports));
+          }};
+}
+
 RunReport run_coupled(const CoupledRunParams& params, PlacedSide<MbsSide> mbs,
                       PlacedSide<FemSide> fem, StepSink& sink) {
   return CoupledRun(params, mbs, fem, sink).run();

@@ -38,6 +38,10 @@ struct CoupledRunParams {
   SchemeMaker make_scheme;
 };
 
+/// The run with the scheme that `coupling` names.
+[[nodiscard]] CoupledRunParams scheme_run(const scenario::RunParams& run,
+                                          const CouplingParams& coupling);
+
 /// The stepping loop of every coupled run, whatever the transport:
 ///   m_0 = M.initialize(0); λ_0 = Λ.initialize(m_0)
 ///   for n = 1 … N:  checkpoint both; scheme makes the macro step; check divergence; record

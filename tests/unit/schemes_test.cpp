@@ -33,13 +33,8 @@ struct Case {
 RunReport run(const Case& c, Journals& journals) {
   MassMbs mbs(c.mbs_kg, {.x = 0.01, .v = 1.0});
   MassSpringFem fem(c.fem_kg, c.stiffness, c.hardening);
-  const CoupledRunParams params{
-      .run = {sim_time_from_seconds(c.duration_s), sim_time_from_seconds(c.step_s)},
-      .coupling = c.coupling,
-      .scheme_name = to_string(c.coupling.scheme),
-      .make_scheme = [&](std::vector<PortInfo> p) {
-        return make_scheme(c.coupling, std::move(p));
-      }};
+  const auto params = scheme_run(
+      {sim_time_from_seconds(c.duration_s), sim_time_from_seconds(c.step_s)}, c.coupling);
   return run_coupled(params, {mbs}, {fem}, journals);
 }
 
@@ -138,7 +133,8 @@ TEST(Implicit, AitkenIsExactOnAScalarAffineProblem) {
 }
 
 TEST(Implicit, ReachingTheCapIsNotConvergence) {
-  // An iteration shrinks the residual by 1 − 0.1 (1 + κ) = 0.4: ten leave 1e-4 of it, not round-off.
+  // An iteration shrinks the residual by 1 − 0.1 (1 + κ) = 0.4: ten leave 1e-4 of it, not
+  // round-off.
   Case c{.fem_kg = 5.0, .stiffness = 100.0};
   c.coupling = {.scheme = SchemeKind::Implicit,
                 .max_iterations = 10,
@@ -188,11 +184,8 @@ TEST(CoupledRun, ReportsAFailedSideWithPlaceAndCause) {
   MassSpringFem fem(0.1, 1.0);
   fem.fail_at_advance = 4;
   CouplingParams coupling{.scheme = SchemeKind::ExplicitSerial};
-  const CoupledRunParams params{
-      .run = {sim_time_from_seconds(0.01), sim_time_from_seconds(0.001)},
-      .coupling = coupling,
-      .scheme_name = "explicit_serial",
-      .make_scheme = [&](std::vector<PortInfo> p) { return make_scheme(coupling, std::move(p)); }};
+  const auto params =
+      scheme_run({sim_time_from_seconds(0.01), sim_time_from_seconds(0.001)}, coupling);
   Journals journals;
   const RunReport report = run_coupled(params, {mbs}, {fem}, journals);
   EXPECT_EQ(report.status, RunStatus::SolverFailed);

@@ -1,0 +1,19 @@
+// tandem-fem: the flexible-body process. Serves the process that runs the scheme.
+
+#include "fem_process/fem_keys.h"
+#include "fem_process/make_side.h"
+#include "protocol/driver/side_process.h"
+
+int main(int argc, char** argv) {
+  using namespace tandem;
+  const SideProgram program{
+      .self = wire::Process::Fem,
+      .name = "tandem-fem",
+      .description = "Flexible-body process of a coupled run: co-rotational finite elements.",
+      .keys = fem::fem_keys()};
+  return run_side_process(program, argc, argv, [](SideContext& context) {
+    const auto side = fem::make_side(context.scenario.root, context.directory);
+    serve_side(context, *side);
+    return 0;
+  });
+}

@@ -1,0 +1,55 @@
+#include <nlohmann/json.hpp>
+
+#include "protocol/driver/coupled_run.h"
+#include "protocol/driver/side_process.h"
+#include "protocol/wire/journal_sender.h"
+#include "protocol/wire/remote_side.h"
+
+namespace tandem {
+namespace {
+
+/// Journals to the orchestrator and keeps the heartbeat's macro step current.
+class SendingSink final : public StepSink {
+ public:
+  SendingSink(wire::JournalSender& sender, SideContext& context)
+      : sender_(sender), context_(context) {}
+
+  double record(wire::StepJournal journal) override {
+    context_.heartbeat.set_macro_step(journal.step.macro_step);
+    context_.monitor.set_macro_step(journal.step.macro_step);
+    return sender_.send(journal);
+  }
+
+ private:
+  wire::JournalSender& sender_;
+  SideContext& context_;
+};
+
+}  // namespace
+
+int drive_from_mbs(SideContext& context, MbsSide& mbs) {
+  context.heartbeat.set_phase("waiting for tandem-fem");
+  wire::RemoteFem fem(context.bus, context.monitor,
+                      {.side = wire::Process::Fem,
+                       .scenario_hash = context.scenario.hash,
+                       .port_names = context.port_names,
+                       .tandem_version = kTandemVersion});
+  context.heartbeat.set_phase("stepping");
+  wire::JournalSender sender(context.bus, context.monitor,
+                             static_cast<int>(context.wire.credit_window));
+  SendingSink sink(sender, context);
+  const CouplingParams coupling = read_coupling(context.scenario.root);
+  RunReport report = run_coupled(scheme_run(context.run, coupling), {mbs, Locality::Here},
+                                 {fem, Locality::Elsewhere}, sink);
+  const wire::BusCounts counts = context.bus.counts();
+  report.ledger.lost = counts.damaged + counts.dropped;
+  context.heartbeat.set_phase("ending");
+  fem.close();
+  context.monitor.release(wire::Process::Fem);
+  sender.finish({.exit_code = report.exit_code(),
+                 .message = report.message,
+                 .summary_json = to_json(report).dump()});
+  return report.exit_code();
+}
+
+}  // namespace tandem

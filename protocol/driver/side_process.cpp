@@ -1,0 +1,167 @@
+#include "protocol/driver/side_process.h"
+
+#include <fmt/format.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <optional>
+
+#include "protocol/contract/error.h"
+#include "protocol/wire/server.h"
+
+namespace tandem {
+namespace {
+
+struct Options {
+  std::string scenario;
+  std::string run_id_hex;
+  int port = 0;
+  std::string directory;
+  int parent_pid = 0;
+};
+
+void declare(CLI::App& app, Options& options) {
+  app.add_option("--scenario", options.scenario,
+                 "Resolved scenario file (scenario.yaml of the run)")
+      ->required();
+  app.add_option("--run", options.run_id_hex, "Run id, 16 hexadecimal digits")->required();
+  app.add_option("--port", options.port, "UDP port of the run's multicast group")
+      ->required()
+      ->check(CLI::Range(1024, 65535));
+  app.add_option("--dir", options.directory, "Run folder for the files that this side writes");
+  app.add_option("--parent", options.parent_pid, "Pid of the starting process: end when it ends");
+  app.footer(
+      "Started by `tandem run`; by hand only for debugging, with the values that\n"
+      "`tandem run --attach` prints. Exit codes: 0 done, 2 bad usage or scenario,\n"
+      "3 not converged or diverged, 4 a process failed or stopped answering.");
+}
+
+std::uint64_t parse_run_id(const std::string& text) {
+  std::size_t used = 0;
+  std::uint64_t id = 0;
+  try {
+    id = std::stoull(text, &used, 16);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  require(used == text.size() && used > 0, "--run: '" + text + "' is not a hexadecimal number");
+  return id;
+}
+
+/// The part of the key table that a side reads; the orchestrator has validated the rest.
+scenario::Section side_table(const SideProgram& program) {
+  scenario::Section table;
+  table.title = program.name;
+  table.keys = {scenario::run_keys(),
+                scenario::ports_keys(),
+                scenario::output_keys(),
+                coupling_keys(),
+                wire_keys(),
+                program.keys};
+  return table;
+}
+
+std::vector<std::string> port_names(const scenario::Node& root) {
+  std::vector<std::string> names;
+  for (const auto& port : scenario::read_ports(root)) names.push_back(port.name);
+  return names;
+}
+
+/// The partners whose silence ends this process: the driver, and the orchestrator that grants
+/// steps.
+std::vector<wire::Process> partners_of(const SideProgram& program, wire::Process driver) {
+  using wire::Process;
+  if (driver == program.self) return {Process::Fem, Process::Orchestrator};
+  if (driver == Process::Orchestrator) return {Process::Orchestrator};
+  return {driver, Process::Orchestrator};
+}
+
+int join_run(const SideProgram& program, const Options& options,
+             const std::function<int(SideContext&)>& body) {
+  const auto loaded =
+      scenario::load(options.scenario, side_table(program), {}, scenario::UnknownKeys::Ignore);
+  const WireParams params = read_wire(loaded.root);
+  wire::BusOptions bus_options;
+  bus_options.self = program.self;
+  bus_options.run_id = parse_run_id(options.run_id_hex);
+  bus_options.port = options.port;
+  bus_options.ttl = static_cast<int>(params.ttl);
+  wire::Bus bus(bus_options);
+  try {
+    wire::Heartbeat heartbeat(bus, params.timeout_s);
+    heartbeat.set_phase("loading its model");
+    const wire::Process driver =
+        params.driver == DriverPlace::Mbs ? wire::Process::Mbs : wire::Process::Orchestrator;
+    wire::LivenessMonitor monitor(bus, partners_of(program, driver), params.timeout_s,
+                                  options.parent_pid);
+    SideContext context{.scenario = loaded,
+                        .run = scenario::read_run(loaded.root),
+                        .wire = params,
+                        .port_names = port_names(loaded.root),
+                        .directory = options.directory,
+                        .bus = bus,
+                        .heartbeat = heartbeat,
+                        .monitor = monitor,
+                        .driver = driver};
+    return body(context);
+  } catch (const Error& error) {
+    wire::publish_abort(bus, error.exit_code(), error.what());
+    throw;
+  } catch (const std::exception& error) {
+    wire::publish_abort(bus, 4, error.what());
+    throw;
+  }
+}
+
+/// When the starting process dies, a process that is frozen must wake up to notice and to end.
+void wake_when_parent_dies(int parent_pid) {
+  if (parent_pid <= 0) return;
+  prctl(PR_SET_PDEATHSIG, SIGCONT);
+}
+
+}  // namespace
+
+int run_side_process(const SideProgram& program, int argc, char** argv,
+                     const std::function<int(SideContext&)>& body) {
+  CLI::App app(program.description, program.name);
+  app.set_version_flag("--version", kTandemVersion);
+  Options options;
+  declare(app, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  wake_when_parent_dies(options.parent_pid);
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  try {
+    return join_run(program, options, body);
+  } catch (const Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return error.exit_code();
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", program.name.c_str(), error.what());
+    return 4;
+  }
+}
+
+namespace {
+
+template <class Side>
+void serve(SideContext& context, Side& side) {
+  context.heartbeat.set_phase("waiting for " + std::string(executable_of(context.driver)));
+  wire::serve(side, context.bus, context.monitor,
+              {.scenario_hash = context.scenario.hash,
+               .tandem_version = kTandemVersion,
+               .heartbeat = &context.heartbeat});
+}
+
+}  // namespace
+
+void serve_side(SideContext& context, MbsSide& side) { serve(context, side); }
+void serve_side(SideContext& context, FemSide& side) { serve(context, side); }
+
+}  // namespace tandem
