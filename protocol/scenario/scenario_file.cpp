@@ -69,8 +69,8 @@ Loaded load(const std::filesystem::path& file, const Section& table,
   const Place top{file.string(), 1, 1};
   std::vector<Defect> defects;
   std::optional<YamlValue> root = parse_yaml(text, file.string(), defects);
-  if (!root) throw_if_any(defects);
-  if (root->kind == YamlValue::Kind::Null && defects.empty()) {
+  if (!root || root->kind != YamlValue::Kind::Mapping) throw_if_any(defects);
+  if (root->kind == YamlValue::Kind::Null) {
     throw Error(ErrorKind::Usage,
                 fmt::format("{}: the file is empty. A scenario is a mapping of keys to values.",
                             top.text()));

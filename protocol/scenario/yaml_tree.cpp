@@ -33,8 +33,9 @@ class TreeBuilder final : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (++documents_ == 2) {
-      defects_.push_back(
-          {place(mark), "", "a second document begins here ('---'). A scenario is one document."});
+      defects_.push_back({place(mark), "",
+                          "a second document ('---') or a stray character stands here. A scenario "
+                          "is one mapping; indent what belongs to it."});
     }
   }
   void OnDocumentEnd() override {}
@@ -166,8 +167,8 @@ std::optional<YamlValue> parse(const std::string& text, TreeBuilder builder,
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);
-    while (parser.HandleNextDocument(builder)) {
-    }
+    // Never more than two: before a stray ',' or ']' the parser finds empty documents for ever.
+    if (parser.HandleNextDocument(builder)) parser.HandleNextDocument(builder);
   } catch (const YAML::Exception& error) {
     defects.push_back(
         {builder.place(error.mark), "",

@@ -101,9 +101,12 @@ TEST(ScenarioDefect, BrokenYamlIsReportedWithItsPlace) {
 }
 
 TEST(ScenarioDefect, SecondDocumentIsRefused) {
-  expect_one("macro_step_s: 1\n---\nmacro_step_s: 2\n",
-             "scenario.yaml:2:1: a second document begins here ('---'). A scenario is one "
-             "document.");
+  const std::string text =
+      " a second document ('---') or a stray character stands here. A scenario is one mapping; "
+      "indent what belongs to it.";
+  expect_one("macro_step_s: 1\n---\nmacro_step_s: 2\n", "scenario.yaml:2:1:" + text);
+  // Before such a comma the parser alone finds empty documents for ever.
+  expect_one(",macro_step_s: 1\n", "scenario.yaml:1:1:" + text);
 }
 
 TEST(ScenarioDefect, AnchorsAliasesMergesAndTagsAreRefused) {
