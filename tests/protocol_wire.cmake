@@ -1,2 +1,14 @@
 # Tests of protocol_wire, one executable a line.
 tandem_test(wire_exchange SOURCES process/wire_exchange.cpp LIBS tandem_wire LABELS process)
+tandem_test(wire_faults SOURCES process/wire_faults.cpp LIBS tandem_wire LABELS process)
+
+# A process with a mock side, and the library that disturbs what it sends (LD_PRELOAD). The shim is
+# built without the project's options: a sanitizer's runtime must not come in through it.
+add_executable(wire_peer support/wire_peer.cpp)
+target_link_libraries(wire_peer PRIVATE tandem_wire)
+add_library(tandem_fault_shim SHARED support/fault_shim.cpp)
+target_link_libraries(tandem_fault_shim PRIVATE ${CMAKE_DL_LIBS})
+foreach(test wire_faults)
+  add_dependencies(${test} wire_peer tandem_fault_shim)
+  target_compile_definitions(${test} PRIVATE TANDEM_FAULT_SHIM="$<TARGET_FILE:tandem_fault_shim>")
+endforeach()
