@@ -1,0 +1,148 @@
+#include "fem_process/cholmod_solver.h"
+
+#include <cholmod.h>
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "protocol/contract/error.h"
+
+// Of the OpenMP runtime that CHOLMOD itself is linked to. Declared here because <omp.h> belongs to
+// the compiler's OpenMP, which need not be installed.
+extern "C" {
+int omp_get_max_active_levels();
+void omp_set_max_active_levels(int levels);
+}
+
+namespace tandem::fem {
+namespace {
+
+/// Runs the enclosed CHOLMOD calls on one thread.
+class SerialOpenMp {
+ public:
+  SerialOpenMp() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+  ~SerialOpenMp() { omp_set_max_active_levels(levels_); }
+  SerialOpenMp(const SerialOpenMp&) = delete;
+  SerialOpenMp& operator=(const SerialOpenMp&) = delete;
+
+ private:
+  int levels_;
+};
+
+/// OpenBLAS is one of several libraries that may serve as BLAS: its thread count is set when it is
+/// the one that is loaded.
+void use_one_blas_thread() {
+  using SetThreads = void (*)(int);
+  const auto set = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  if (set != nullptr) set(1);
+}
+
+}  // namespace
+
+struct CholmodSolver::Handles {
+  cholmod_common common{};
+  cholmod_sparse* matrix = nullptr;  // lower triangle by columns
+  cholmod_factor* factor = nullptr;
+  cholmod_dense* solution = nullptr;
+  cholmod_dense* work_y = nullptr;
+  cholmod_dense* work_e = nullptr;
+  std::vector<std::size_t> source;  // position in BlockValues of each entry
+
+  Handles() { cholmod_start(&common); }
+  ~Handles() {
+    cholmod_free_dense(&work_e, &common);
+    cholmod_free_dense(&work_y, &common);
+    cholmod_free_dense(&solution, &common);
+    cholmod_free_factor(&factor, &common);
+    cholmod_free_sparse(&matrix, &common);
+    cholmod_finish(&common);
+  }
+  Handles(const Handles&) = delete;
+  Handles& operator=(const Handles&) = delete;
+
+  void fill_pattern(const BlockPattern& pattern);
+};
+
+/// Column 3 J + k of the lower triangle holds entries (3 I + r, 3 J + k) = A_JI(k, r), I ≥ J: the
+/// pattern's row J read as a column.
+void CholmodSolver::Handles::fill_pattern(const BlockPattern& pattern) {
+  std::vector<int> start{0};
+  std::vector<int> row;
+  for (int J = 0; J < pattern.rows(); ++J) {
+    const auto at = static_cast<std::size_t>(J);
+    for (int k = 0; k < 3; ++k) {
+      for (int b = pattern.row_start[at]; b < pattern.row_start[at + 1]; ++b) {
+        const int I = pattern.column[static_cast<std::size_t>(b)];
+        for (int r = I == J ? k : 0; I >= J && r < 3; ++r) {
+          row.push_back(3 * I + r);
+          source.push_back(9 * static_cast<std::size_t>(b) + static_cast<std::size_t>(3 * k + r));
+        }
+      }
+      start.push_back(static_cast<int>(row.size()));
+    }
+  }
+  const std::size_t n = 3 * static_cast<std::size_t>(pattern.rows());
+  matrix = cholmod_allocate_sparse(n, n, row.size(), 1, 1, -1, CHOLMOD_REAL, &common);
+  require(matrix != nullptr, "fem: not enough memory for the step matrix. Use a coarser mesh.");
+  std::copy(start.begin(), start.end(), static_cast<int*>(matrix->p));
+  std::copy(row.begin(), row.end(), static_cast<int*>(matrix->i));
+}
+
+CholmodSolver::CholmodSolver(const BlockPattern& pattern) : handles_(std::make_unique<Handles>()) {
+  use_one_blas_thread();
+  const SerialOpenMp serial;
+  cholmod_common& common = handles_->common;
+  common.print = 0;
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  handles_->fill_pattern(pattern);
+  handles_->factor = cholmod_analyze(handles_->matrix, &common);
+  require(handles_->factor != nullptr && common.status == CHOLMOD_OK,
+          "fem: CHOLMOD cannot analyse the step matrix (status " + std::to_string(common.status) +
+              "). Use fem.solver.kind: pcg.");
+}
+
+CholmodSolver::~CholmodSolver() = default;
+
+SolveReport CholmodSolver::factorize(const BlockValues& A) {
+  const SerialOpenMp serial;
+  auto* values = static_cast<double*>(handles_->matrix->x);
+  for (std::size_t i = 0; i < handles_->source.size(); ++i) values[i] = A[handles_->source[i]];
+  cholmod_factorize(handles_->matrix, handles_->factor, &handles_->common);
+  if (handles_->common.status == CHOLMOD_OK && handles_->factor->minor == handles_->factor->n) {
+    return {};
+  }
+  if (handles_->common.status == CHOLMOD_NOT_POSDEF) {
+    return {.outcome = Outcome::Failed,
+            .message = "the step matrix is not positive definite (row " +
+                       std::to_string(handles_->factor->minor) + "). Halve fem.micro_step_s."};
+  }
+  return {.outcome = Outcome::Failed,
+          .message = "CHOLMOD cannot factorise the step matrix (status " +
+                     std::to_string(handles_->common.status) + "). Use fem.solver.kind: pcg."};
+}
+
+SolveReport CholmodSolver::solve(Eigen::MatrixXd& r, const Eigen::VectorXd& /*b_norms*/) {
+  const SerialOpenMp serial;
+  cholmod_dense rhs{};
+  rhs.nrow = static_cast<std::size_t>(r.rows());
+  rhs.ncol = static_cast<std::size_t>(r.cols());
+  rhs.nzmax = rhs.nrow * rhs.ncol;
+  rhs.d = rhs.nrow;
+  rhs.x = r.data();
+  rhs.xtype = CHOLMOD_REAL;
+  rhs.dtype = CHOLMOD_DOUBLE;
+  Handles& h = *handles_;
+  if (cholmod_solve2(CHOLMOD_A, h.factor, &rhs, nullptr, &h.solution, nullptr, &h.work_y, &h.work_e,
+                     &h.common) == 0) {
+    return {.outcome = Outcome::Failed,
+            .message = "CHOLMOD cannot solve (status " + std::to_string(h.common.status) +
+                       "). Use fem.solver.kind: pcg."};
+  }
+  const auto* x = static_cast<const double*>(h.solution->x);
+  std::copy(x, x + rhs.nzmax, r.data());
+  return {};
+}
+
+}  // namespace tandem::fem

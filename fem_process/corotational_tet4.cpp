@@ -1,0 +1,134 @@
+#include "fem_process/corotational_tet4.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "fem_process/polar.h"
+
+namespace tandem::fem {
+namespace {
+
+/// Gradients of the shape functions: rows 1..3 are the inverse of the edge matrix.
+Eigen::Matrix<double, 4, 3> shape_gradients(const TetMesh& mesh, const Tet& tet) {
+  Eigen::Matrix3d edges;
+  for (int k = 0; k < 3; ++k) {
+    edges.col(k) = mesh.X[static_cast<std::size_t>(tet[static_cast<std::size_t>(k) + 1])] -
+                   mesh.X[static_cast<std::size_t>(tet[0])];
+  }
+  Eigen::Matrix<double, 4, 3> gradients;
+  gradients.bottomRows<3>() = edges.inverse();
+  gradients.row(0) = -gradients.bottomRows<3>().colwise().sum();
+  return gradients;
+}
+
+Tet4 make_element(const TetMesh& mesh, const Tet& tet, const Matrix6d& D,
+                  const BlockPattern& pattern) {
+  Tet4 element;
+  element.nodes = tet;
+  element.gradients = shape_gradients(mesh, tet);
+  element.volume = signed_volume(mesh, tet);
+  const Eigen::Matrix<double, 6, 12> B = strain_matrix(element.gradients);
+  const Matrix12d K = element.volume * B.transpose() * D * B;
+  // The product is symmetric up to round-off only; the solvers take one triangle.
+  element.K = 0.5 * (K + K.transpose());
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) element.blocks[4 * i + j] = pattern.find(tet[i], tet[j]);
+  }
+  return element;
+}
+
+/// Adds R K_e Rᵀ into the fixed pattern; block (j, i) is the transpose of (i, j).
+void add_rotated(const Tet4& element, const Eigen::Matrix3d& R, BlockValues& K) {
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i; j < 4; ++j) {
+      const Eigen::Matrix3d rotated = R * element.K.block<3, 3>(3 * i, 3 * j) * R.transpose();
+      block(K, element.blocks[static_cast<std::size_t>(4 * i + j)]) += rotated;
+      if (j > i) {
+        block(K, element.blocks[static_cast<std::size_t>(4 * j + i)]) += rotated.transpose();
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Eigen::Matrix<double, 6, 12> strain_matrix(const Eigen::Matrix<double, 4, 3>& gradients) {
+  Eigen::Matrix<double, 6, 12> B = Eigen::Matrix<double, 6, 12>::Zero();
+  for (int i = 0; i < 4; ++i) {
+    const double x = gradients(i, 0);
+    const double y = gradients(i, 1);
+    const double z = gradients(i, 2);
+    B.block<6, 3>(0, 3 * i) << x, 0, 0, 0, y, 0, 0, 0, z, y, x, 0, 0, z, y, z, 0, x;
+  }
+  return B;
+}
+
+CorotationalTet4::CorotationalTet4(const TetMesh& mesh, const Material& material)
+    : X_(3 * mesh.nodes()), D_(elasticity(material)), pattern_(pattern_of(mesh)) {
+  check(material);
+  for (int i = 0; i < mesh.nodes(); ++i) X_.segment<3>(3 * i) = mesh.X[static_cast<std::size_t>(i)];
+  elements_.reserve(mesh.tets.size());
+  for (const Tet& tet : mesh.tets) elements_.push_back(make_element(mesh, tet, D_, pattern_));
+}
+
+CorotationalTet4::Local CorotationalTet4::localise(const Tet4& element,
+                                                   const Eigen::VectorXd& x) const {
+  Eigen::Matrix3d edges;
+  for (int k = 0; k < 3; ++k) {
+    edges.col(k) = x.segment<3>(3 * element.nodes[static_cast<std::size_t>(k) + 1]) -
+                   x.segment<3>(3 * element.nodes[0]);
+  }
+  const PolarRotation polar = polar_rotation(edges * element.gradients.bottomRows<3>());
+  Local local{polar.R, Vector12d::Zero(), polar.inverted};
+  for (int k = 0; k < 3; ++k) {
+    local.u.segment<3>(3 * k + 3) =
+        polar.R.transpose() * edges.col(k) -
+        (X_.segment<3>(3 * element.nodes[static_cast<std::size_t>(k) + 1]) -
+         X_.segment<3>(3 * element.nodes[0]));
+  }
+  return local;
+}
+
+int CorotationalTet4::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int,
+                               BlockValues& K) const {
+  f_int.setZero(x.size());
+  K.assign(9 * pattern_.blocks(), 0.0);
+  int inverted = 0;
+  for (const Tet4& element : elements_) {
+    const Local local = localise(element, x);
+    inverted += local.inverted ? 1 : 0;
+    const Vector12d f = element.K * local.u;
+    for (int i = 0; i < 4; ++i) {
+      f_int.segment<3>(3 * element.nodes[static_cast<std::size_t>(i)]) +=
+          local.R * f.segment<3>(3 * i);
+    }
+    add_rotated(element, local.R, K);
+  }
+  return inverted;
+}
+
+double CorotationalTet4::energy(const Eigen::VectorXd& x) const {
+  double sum = 0.0;
+  for (const Tet4& element : elements_) {
+    const Vector12d u = localise(element, x).u;
+    sum += 0.5 * u.dot(element.K * u);
+  }
+  return sum;
+}
+
+std::vector<ElementResult> CorotationalTet4::element_results(const Eigen::VectorXd& x) const {
+  std::vector<ElementResult> results;
+  results.reserve(elements_.size());
+  for (const Tet4& element : elements_) {
+    const Local local = localise(element, x);
+    const Eigen::Matrix<double, 6, 1> s = D_ * (strain_matrix(element.gradients) * local.u);
+    const double normal = (s(0) - s(1)) * (s(0) - s(1)) + (s(1) - s(2)) * (s(1) - s(2)) +
+                          (s(2) - s(0)) * (s(2) - s(0));
+    const double von_mises = std::sqrt(0.5 * normal + 3.0 * s.tail<3>().squaredNorm());
+    const double angle = Eigen::AngleAxisd(local.R).angle();
+    results.push_back({von_mises, angle});
+  }
+  return results;
+}
+
+}  // namespace tandem::fem

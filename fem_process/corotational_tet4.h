@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "fem_process/formulation.h"
+#include "fem_process/material.h"
+#include "fem_process/mesh.h"
+
+namespace tandem::fem {
+
+using Matrix12d = Eigen::Matrix<double, 12, 12>;
+using Vector12d = Eigen::Matrix<double, 12, 1>;
+
+/// Constants of one linear tetrahedron.
+struct Tet4 {
+  Tet nodes{};
+  Eigen::Matrix<double, 4, 3> gradients;  ///< rows ∂N_i/∂X (1/m)
+  double volume = 0.0;                    ///< m³
+  Matrix12d K;                            ///< V Bᵀ D B (N/m)
+  std::array<int, 16> blocks{};           ///< position of block (i, j) at 4 i + j
+};
+
+/// Strain-displacement matrix of a linear tet, rows as in elasticity().
+[[nodiscard]] Eigen::Matrix<double, 6, 12> strain_matrix(
+    const Eigen::Matrix<double, 4, 3>& gradients);
+
+/// Simplified co-rotational linear tetrahedra [Marinkovic & Zehn 2012, eqs. (1)-(2)].
+///   f_e = R K_e u,  u_i = Rᵀ (x_i − x_0) − (X_i − X_0),  R = polar(F),  K_R = Σ R K_e Rᵀ
+/// x, X current and reference corners (m). K_R leaves out the derivative of R. For isotropic
+/// material the force is the exact gradient of V (μ |U − I|² + λ/2 tr²(U − I)). Taking differences
+/// to corner 0 keeps round-off independent of the distance from the world origin.
+class CorotationalTet4 final : public Formulation {
+ public:
+  CorotationalTet4(const TetMesh& mesh, const Material& material);
+
+  [[nodiscard]] const BlockPattern& pattern() const override { return pattern_; }
+  int evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K) const override;
+  [[nodiscard]] double energy(const Eigen::VectorXd& x) const override;
+  [[nodiscard]] std::vector<ElementResult> element_results(const Eigen::VectorXd& x) const override;
+
+  [[nodiscard]] const std::vector<Tet4>& elements() const { return elements_; }
+
+ private:
+  struct Local {
+    Eigen::Matrix3d R;
+    Vector12d u;  ///< co-rotated displacements (m)
+    bool inverted = false;
+  };
+  [[nodiscard]] Local localise(const Tet4& element, const Eigen::VectorXd& x) const;
+
+  Eigen::VectorXd X_;
+  Matrix6d D_;
+  BlockPattern pattern_;
+  std::vector<Tet4> elements_;
+};
+
+}  // namespace tandem::fem

@@ -1,0 +1,279 @@
+#include "fem_process/fem_keys.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocol/contract/error.h"
+#include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/law.h"
+
+namespace tandem::fem {
+namespace {
+
+using scenario::Key;
+using scenario::Node;
+using scenario::Section;
+
+Key mesh_key() {
+  Section mesh;
+  mesh.title = "Mesh";
+  mesh.doc = "Which mesh, and where it stands: X_W = position + R(orientation) scale X_file.";
+  mesh.keys = {
+      scenario::path("file").must().doc_is(
+          "Mesh of linear tetrahedra: Gmsh .msh (4.1 ASCII, physical groups are the node sets) or "
+          "Abaqus .inp (*NODE, *ELEMENT TYPE=C3D4, *NSET, *ELSET, *SURFACE)."),
+      scenario::real("length_scale_m", "m")
+          .above(0)
+          .by_default("1")
+          .doc_is("Metres per unit of the mesh file: 0.001 for a mesh in millimetres."),
+      scenario::reals("position_m", "m")
+          .count(3)
+          .by_default("[0, 0, 0]")
+          .doc_is("Where the mesh file's origin stands in world axes at t = 0."),
+      scenario::reals("orientation_wxyz", "")
+          .count(4)
+          .of_unit_length()
+          .by_default("[1, 0, 0, 0]")
+          .doc_is("Rotation from the mesh file's axes to world axes at t = 0 as a quaternion."),
+  };
+  return scenario::section("mesh", std::move(mesh)).must().doc_is("The mesh and its placement.");
+}
+
+Key material_key() {
+  Section material;
+  material.title = "Material";
+  material.doc = "Isotropic linear elastic material in the co-rotated frame of each element.";
+  material.keys = {
+      scenario::real("young_Pa", "Pa").must().above(0).doc_is("Young's modulus."),
+      scenario::real("poisson", "").must().above(-1).below(0.5).doc_is("Poisson's ratio."),
+      scenario::real("density_kg_per_m3", "kg/m³").must().above(0).doc_is("Density."),
+  };
+  return scenario::section("material", std::move(material)).must().doc_is("The material.");
+}
+
+Key damping_key() {
+  Section damping;
+  damping.title = "Damping";
+  damping.doc = "Rayleigh damping C = α M + β K with the co-rotated stiffness K.";
+  damping.keys = {
+      scenario::real("alpha_per_s", "1/s")
+          .at_least(0)
+          .by_default("0")
+          .doc_is("Part proportional to mass; acts against absolute velocities."),
+      scenario::real("beta_s", "s")
+          .at_least(0)
+          .by_default("0")
+          .doc_is("Part proportional to stiffness: damping ratio ω β/2 at angular frequency ω."),
+  };
+  return scenario::section("damping", std::move(damping)).doc_is("Rayleigh damping.");
+}
+
+Key integrator_key() {
+  Section integrator;
+  integrator.title = "Integrator";
+  integrator.doc = "The time integration of the flexible body.";
+  integrator.keys = {
+      scenario::choice("kind", {"backward_euler", "hht"})
+          .by_default("backward_euler")
+          .doc_is("First order and robust, or HHT-α, second order, for vibration."),
+      scenario::real("hht_alpha", "")
+          .only_when("kind", {"hht"})
+          .between(-1.0 / 3.0, 0)
+          .by_default("-0.05")
+          .doc_is("Numerical damping of HHT: 0 none (trapezoidal rule), -1/3 most."),
+  };
+  return scenario::section("integrator", std::move(integrator)).doc_is("Time integration.");
+}
+
+Key solver_key() {
+  Section solver;
+  solver.title = "Linear solver";
+  solver.doc = "How the linear system of a step is solved.";
+  solver.keys = {
+      scenario::choice("kind", {"cholmod", "pcg"})
+          .by_default("cholmod")
+          .doc_is("Sparse Cholesky, or conjugate gradients started from the last velocities."),
+      scenario::real("tolerance", "")
+          .only_when("kind", {"pcg"})
+          .above(0)
+          .below(1)
+          .by_default("1e-10")
+          .doc_is("Residual at which PCG stops, relative to the right-hand side."),
+      scenario::integer("max_iterations")
+          .only_when("kind", {"pcg"})
+          .at_least(1)
+          .by_default("5000")
+          .doc_is("Iterations after which PCG stops and reports that it has not converged."),
+  };
+  return scenario::section("solver", std::move(solver)).doc_is("Linear solver of the steps.");
+}
+
+Key loads_key() {
+  Section load;
+  load.title = "Load";
+  load.doc = "A dead load: fixed direction in world axes, reference areas, times a law of time.";
+  load.keys = {
+      scenario::choice("kind", {"nodal", "surface"})
+          .must()
+          .doc_is(
+              "A total force in equal parts on the nodes of a set, or a traction on a surface."),
+      scenario::text("set").must().doc_is("Node set or surface of the mesh."),
+      scenario::reals("force_N", "N")
+          .count(3)
+          .only_when("kind", {"nodal"})
+          .doc_is("Total force for a value 1 of the law."),
+      scenario::reals("traction_Pa", "Pa")
+          .count(3)
+          .only_when("kind", {"surface"})
+          .doc_is("Force per reference area for a value 1 of the law."),
+      scenario::law("law", "").by_default("1").doc_is("Factor as a function of time."),
+  };
+  load.check = [](const Node& node) {
+    const std::string value = node.text("kind") == "nodal" ? "force_N" : "traction_Pa";
+    if (!node.has(value)) node.fail("kind", "needs " + value + ": [x, y, z].");
+  };
+  return scenario::sections("loads", std::move(load)).doc_is("Loads on the mesh.");
+}
+
+Key initial_velocity_key() {
+  Section field;
+  field.title = "Initial velocity";
+  field.doc = "v(X) = linear + angular × (X − about) + gradient (X − about), X in world axes.";
+  const auto vector = [](const char* name, const char* unit, const char* doc) {
+    return scenario::reals(name, unit).count(3).by_default("[0, 0, 0]").doc_is(doc);
+  };
+  field.keys = {
+      vector("linear_m_per_s", "m/s", "Velocity at the point `about_m`."),
+      vector("angular_rad_per_s", "rad/s", "Angular velocity."),
+      vector("about_m", "m", "The field's reference point."),
+      scenario::reals("gradient_per_s", "1/s")
+          .count(9)
+          .by_default("[0, 0, 0, 0, 0, 0, 0, 0, 0]")
+          .doc_is("Velocity gradient ∂v_i/∂X_j, row by row."),
+  };
+  return scenario::section("initial_velocity", std::move(field))
+      .doc_is("Velocities at t = 0; port nodes start with their port's instead.");
+}
+
+MeshParams read_mesh_params(const Node& node) {
+  return {.file = node.path("file"),
+          .length_scale_m = node.real("length_scale_m"),
+          .position_m = node.vector3("position_m"),
+          .orientation = node.quaternion_wxyz("orientation_wxyz")};
+}
+
+IntegratorParams read_integrator(const Node& node) {
+  IntegratorParams integrator;
+  if (node.text("kind") == "hht") {
+    integrator.kind = IntegratorKind::Hht;
+    integrator.hht_alpha = node.real("hht_alpha");
+  }
+  return integrator;
+}
+
+SolverParams read_solver(const Node& node) {
+  SolverParams solver;
+  if (node.text("kind") == "pcg") {
+    solver.kind = SolverKind::Pcg;
+    solver.tolerance = node.real("tolerance");
+    solver.max_iterations = static_cast<int>(node.integer("max_iterations"));
+  }
+  return solver;
+}
+
+Load read_load(const Node& node) {
+  Load load;
+  load.set = {node.text("set"), node.place("set")};
+  load.kind = node.text("kind") == "nodal" ? Load::Kind::Nodal : Load::Kind::Surface;
+  load.value = node.vector3(load.kind == Load::Kind::Nodal ? "force_N" : "traction_Pa");
+  load.law = scenario::read_law(node.section("law"));
+  return load;
+}
+
+InitialVelocity read_initial_velocity(const Node& node) {
+  InitialVelocity field;
+  field.linear_m_per_s = node.vector3("linear_m_per_s");
+  field.angular_rad_per_s = node.vector3("angular_rad_per_s");
+  field.about_m = node.vector3("about_m");
+  const std::vector<double> gradient = node.reals("gradient_per_s");
+  field.gradient_per_s =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(gradient.data());
+  return field;
+}
+
+std::vector<SetName> read_sets(const Node& node, const char* key) {
+  std::vector<SetName> sets;
+  for (const std::string& name : node.names(key)) sets.push_back({name, node.place(key)});
+  return sets;
+}
+
+}  // namespace
+
+Key fem_keys() {
+  Section fem;
+  fem.title = "Flexible body";
+  fem.doc = "A co-rotational finite-element body whose port nodes follow the ports rigidly.";
+  fem.keys = {
+      mesh_key(),
+      material_key(),
+      scenario::choice("mass", {"lumped", "consistent"})
+          .by_default("consistent")
+          .doc_is("A quarter of a tet's mass on each node, or ρ V/20 (1 + δ_ij)."),
+      damping_key(),
+      integrator_key(),
+      solver_key(),
+      scenario::real("micro_step_s", "s")
+          .above(0)
+          .doc_is(
+              "Integration step; the macro step is a whole multiple. Left out: the macro step."),
+      scenario::reals("gravity_m_per_s2", "m/s²")
+          .count(3)
+          .by_default("[0, 0, 0]")
+          .doc_is("Acceleration of gravity on the flexible body in world axes."),
+      scenario::names("fixed").by_default("[]").doc_is(
+          "Node sets held at their initial positions."),
+      loads_key(),
+      initial_velocity_key(),
+      scenario::names("watch").by_default("[]").doc_is(
+          "Node sets whose mean motion is written to the results."),
+  };
+  return scenario::section("fem", std::move(fem)).must().doc_is("The flexible side.");
+}
+
+Params read_params(const Node& root) {
+  const Node fem = root.section("fem");
+  Params params;
+  params.mesh = read_mesh_params(fem.section("mesh"));
+  const Node material = fem.section("material");
+  params.material = {.young_Pa = material.real("young_Pa"),
+                     .poisson = material.real("poisson"),
+                     .density_kg_per_m3 = material.real("density_kg_per_m3")};
+  params.mass = fem.text("mass") == "lumped" ? MassKind::Lumped : MassKind::Consistent;
+  const Node damping = fem.section("damping");
+  params.damping = {damping.real("alpha_per_s"), damping.real("beta_s")};
+  params.integrator = read_integrator(fem.section("integrator"));
+  params.solver = read_solver(fem.section("solver"));
+  const SimTime macro_step = scenario::read_run(root).macro_step;
+  params.micro_step =
+      fem.has("micro_step_s") ? sim_time_from_seconds(fem.real("micro_step_s")) : macro_step;
+  if (params.micro_step <= SimTime{} || macro_step % params.micro_step != SimTime{}) {
+    fem.fail("micro_step_s", "the macro step of " + std::to_string(to_seconds(macro_step)) +
+                                 " s is not a whole multiple of it.");
+  }
+  params.gravity_m_per_s2 = fem.vector3("gravity_m_per_s2");
+  params.fixed = read_sets(fem, "fixed");
+  params.watch = read_sets(fem, "watch");
+  if (fem.has("loads")) {
+    for (const Node& load : fem.list("loads")) params.loads.push_back(read_load(load));
+  }
+  params.initial_velocity = read_initial_velocity(fem.section("initial_velocity"));
+  for (const scenario::PortParams& port : scenario::read_ports(root)) {
+    PortSet set{.name = port.name, .set = {port.node_set, port.place}, .p_WP = std::nullopt};
+    if (!port.at_body_frame) set.p_WP = port.p_WP;
+    params.ports.push_back(std::move(set));
+  }
+  return params;
+}
+
+}  // namespace tandem::fem

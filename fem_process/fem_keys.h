@@ -1,0 +1,15 @@
+#pragma once
+
+#include "fem_process/params.h"
+#include "protocol/scenario/key_table.h"
+#include "protocol/scenario/node.h"
+
+namespace tandem::fem {
+
+/// Section `fem` of a scenario: the flexible body.
+[[nodiscard]] scenario::Key fem_keys();
+
+/// Reads the sections `fem`, `ports` and `run` (for the macro step, the default micro step).
+[[nodiscard]] Params read_params(const scenario::Node& root);
+
+}  // namespace tandem::fem

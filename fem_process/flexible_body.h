@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "fem_process/model.h"
+#include "fem_process/params.h"
+#include "fem_process/state.h"
+#include "fem_process/transient_step.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem::fem {
+
+/// Mean motion of a node set (unweighted), in W.
+struct MeanMotion {
+  Eigen::Vector3d displacement_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
+};
+
+/// A flexible body as the flexible side of a coupled run: port motions in, port wrenches out.
+///
+/// Port nodes follow P rigidly: x_i = p_WP + R_WP r_i, v_i = v_WP + w_WP × R_WP r_i, with
+/// r_i = R_WP(0)ᵀ (X_i − p_WP(0)) from initialize(). The wrench is the full dynamic reaction at the
+/// end of the step: with g_i the force the node needs (inertia, damping, internal, minus external),
+///   f_P_W = −Σ g_i,  t_P_W = −Σ R_WP r_i × g_i.
+/// With backward Euler linear momentum closes to round-off over every step:
+/// h Σ f_P_W = −ΔP + h Σ f_ext (without fixed sets and mass-proportional damping).
+/// Deterministic: the same calls give the same bits, with or without repetitions of steps.
+class FlexibleBody final : public FemSide {
+ public:
+  explicit FlexibleBody(Params params);
+
+  [[nodiscard]] const SubsystemInfo& info() const override { return info_; }
+  WrenchSet initialize(const MotionSet& motions) override;
+  StepResult<WrenchSet> advance(const StepRequest<MotionSet>& request) override;
+  void checkpoint() override;
+  void rollback() override;
+  Observation observe() override;
+
+  [[nodiscard]] const Model& model() const { return model_; }
+  [[nodiscard]] const State& state() const { return state_; }
+  [[nodiscard]] MeanMotion mean_motion(const std::string& node_set) const;
+
+  /// Called with every accepted state, from checkpoint().
+  void on_accepted(std::function<void(const State&)> observer) { observer_ = std::move(observer); }
+
+ private:
+  struct Advance {
+    SolveReport report;
+    TransientStep::Result last;
+  };
+  Advance run(const StepRequest<MotionSet>& request, const State& begin);
+  SolveReport linearize(const StepRequest<MotionSet>& request, const Advance& done,
+                        InterfaceJacobian& jacobian);
+  SolveReport difference_quotients(const StepRequest<MotionSet>& request,
+                                   InterfaceJacobian& jacobian);
+  void check_request(const StepRequest<MotionSet>& request) const;
+
+  Model model_;
+  SubsystemInfo info_;
+  std::optional<TransientStep> step_;
+  State state_;
+  State saved_;
+  std::uint64_t generations_ = 0;
+  /// For the first micro step of a macro step, which is repeated, and for all others.
+  std::array<Linearisation, 2> kept_;
+  std::function<void(const State&)> observer_;
+};
+
+}  // namespace tandem::fem

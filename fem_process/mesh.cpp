@@ -1,0 +1,182 @@
+#include "fem_process/mesh.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "fem_process/raw_mesh.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::fem {
+namespace {
+
+/// Tets thinner than this fraction of their longest edge cubed have no usable stiffness.
+constexpr double kFlat = 1e-12;
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+double longest_edge(const TetMesh& mesh, const Tet& tet) {
+  double longest = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = i + 1; j < 4; ++j) {
+      longest = std::max(longest, (mesh.X[static_cast<std::size_t>(tet[j])] -
+                                   mesh.X[static_cast<std::size_t>(tet[i])])
+                                      .norm());
+    }
+  }
+  return longest;
+}
+
+/// Index of each raw node among those that tets use; −1 for the others.
+std::vector<int> number_used_nodes(const RawMesh& raw) {
+  std::vector<int> number(raw.node_tags.size(), -1);
+  for (const RawMesh::Tetrahedron& tet : raw.tets) {
+    for (std::int64_t tag : tet.nodes) {
+      const auto found = raw.node_index.find(tag);
+      if (found == raw.node_index.end()) {
+        raw.fail(tet.line, "element " + std::to_string(tet.tag) + " uses node " +
+                               std::to_string(tag) +
+                               ", which the file does not define. Write the mesh again.");
+      }
+      number[static_cast<std::size_t>(found->second)] = 0;
+    }
+  }
+  int next = 0;
+  for (int& n : number) {
+    if (n == 0) n = next++;
+  }
+  return number;
+}
+
+void check_volume(const TetMesh& mesh, const RawMesh::Tetrahedron& tet, const Tet& corners) {
+  const double volume = signed_volume(mesh, corners);
+  const double edge = longest_edge(mesh, corners);
+  if (volume > kFlat * edge * edge * edge) return;
+  throw Error(ErrorKind::Usage,
+              mesh.file.string() + ":" + std::to_string(tet.line) + ": element " +
+                  std::to_string(tet.tag) + " has " + (volume < 0.0 ? "negative" : "no") +
+                  " volume (" + std::to_string(volume) +
+                  " m³). Its corners are numbered inside out or lie in a plane: mesh again.");
+}
+
+NodeSet place_set(const RawMesh& raw, const RawMesh::Set& set, const std::vector<int>& number) {
+  const auto index = [&](std::int64_t tag) {
+    const auto found = raw.node_index.find(tag);
+    if (found == raw.node_index.end()) {
+      raw.fail(set.line, "a set uses node " + std::to_string(tag) +
+                             ", which the file does not define. Write the mesh again.");
+    }
+    return number[static_cast<std::size_t>(found->second)];
+  };
+  NodeSet placed;
+  placed.line = set.line;
+  for (std::int64_t tag : set.nodes) {
+    if (const int node = index(tag); node >= 0) placed.nodes.push_back(node);
+  }
+  std::sort(placed.nodes.begin(), placed.nodes.end());
+  for (const auto& corners : set.triangles) {
+    const Triangle triangle{index(corners[0]), index(corners[1]), index(corners[2])};
+    if (*std::min_element(triangle.begin(), triangle.end()) >= 0) {
+      placed.triangles.push_back(triangle);
+    }
+  }
+  return placed;
+}
+
+TetMesh place(const RawMesh& raw, const MeshParams& params) {
+  if (raw.tets.empty()) {
+    raw.fail(1, "the mesh has no tetrahedra. Mesh the volume (gmsh -3) and save its elements.");
+  }
+  const std::vector<int> number = number_used_nodes(raw);
+  TetMesh mesh;
+  mesh.file = raw.file;
+  mesh.notes = raw.notes;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0) continue;
+    mesh.X.push_back(params.position_m +
+                     params.orientation * (params.length_scale_m * raw.node_positions[i]));
+    mesh.node_tags.push_back(raw.node_tags[i]);
+  }
+  for (const RawMesh::Tetrahedron& tet : raw.tets) {
+    Tet corners{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      corners[k] = number[static_cast<std::size_t>(raw.node_index.at(tet.nodes[k]))];
+    }
+    check_volume(mesh, tet, corners);
+    mesh.tets.push_back(corners);
+    mesh.element_tags.push_back(tet.tag);
+  }
+  for (const auto& [name, set] : raw.sets) mesh.sets.emplace(name, place_set(raw, set, number));
+  return mesh;
+}
+
+}  // namespace
+
+void RawMesh::fail(int line, const std::string& text) const {
+  throw Error(ErrorKind::Usage, file.string() + ":" + std::to_string(line) + ": " + text);
+}
+
+void RawMesh::add_node(std::int64_t tag, const Eigen::Vector3d& position, int line) {
+  if (!node_index.emplace(tag, static_cast<int>(node_tags.size())).second) {
+    fail(line,
+         "node " + std::to_string(tag) + " is defined twice. Give every node its own number.");
+  }
+  node_tags.push_back(tag);
+  node_positions.push_back(position);
+}
+
+void RawMesh::add_tet(const Tetrahedron& tet) {
+  if (!tet_index.emplace(tet.tag, static_cast<int>(tets.size())).second) {
+    fail(tet.line, "element " + std::to_string(tet.tag) +
+                       " is defined twice. Give every element its own number.");
+  }
+  tets.push_back(tet);
+}
+
+TetMesh read_mesh(const MeshParams& params) {
+  require(params.length_scale_m > 0.0 && std::isfinite(params.length_scale_m),
+          "fem: mesh length scale " + std::to_string(params.length_scale_m) +
+              " m must be positive. Give metres per unit of the mesh file.");
+  const std::string extension = lower(params.file.extension().string());
+  require(extension == ".msh" || extension == ".inp",
+          params.file.string() + ": unknown kind of mesh file '" + extension +
+              "'. Give a Gmsh .msh (4.1 ASCII) or an Abaqus .inp.");
+  return place(extension == ".msh" ? read_msh(params.file) : read_inp(params.file), params);
+}
+
+const NodeSet& find_set(const TetMesh& mesh, const SetName& name) {
+  const std::string where = name.place.file.empty() ? "fem: " : name.place.text() + ": ";
+  const auto found = mesh.sets.find(name.name);
+  if (found == mesh.sets.end()) {
+    std::vector<std::string> known;
+    std::string list;
+    for (const auto& [set, content] : mesh.sets) {
+      known.push_back(set);
+      list += (list.empty() ? "" : ", ") + set;
+    }
+    throw Error(ErrorKind::Usage, where + "the mesh " + mesh.file.string() + " has no node set '" +
+                                      name.name + "'." + scenario::did_you_mean(name.name, known) +
+                                      " It has: " + (list.empty() ? "none" : list) + ".");
+  }
+  require(!found->second.nodes.empty(),
+          where + "node set '" + name.name + "' (" + mesh.file.string() + ":" +
+              std::to_string(found->second.line) +
+              ") has no node on a tetrahedron. Assign geometry of the meshed volume to it.");
+  return found->second;
+}
+
+double signed_volume(const TetMesh& mesh, const Tet& tet) {
+  const auto X = [&](std::size_t k) { return mesh.X[static_cast<std::size_t>(tet[k])]; };
+  return (X(1) - X(0)).cross(X(2) - X(0)).dot(X(3) - X(0)) / 6.0;
+}
+
+double area(const TetMesh& mesh, const Triangle& triangle) {
+  const auto X = [&](std::size_t k) { return mesh.X[static_cast<std::size_t>(triangle[k])]; };
+  return 0.5 * (X(1) - X(0)).cross(X(2) - X(0)).norm();
+}
+
+}  // namespace tandem::fem

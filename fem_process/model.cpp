@@ -1,0 +1,117 @@
+#include "fem_process/model.h"
+
+#include <cmath>
+#include <utility>
+
+#include "fem_process/corotational_tet4.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::fem {
+namespace {
+
+Eigen::VectorXd stacked(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::VectorXd x(3 * static_cast<Eigen::Index>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    x.segment<3>(3 * static_cast<Eigen::Index>(i)) = points[i];
+  }
+  return x;
+}
+
+}  // namespace
+
+double length_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set) {
+  const auto X = [&](int node) { return mesh.X[static_cast<std::size_t>(node)]; };
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (int node : set.nodes) centre += X(node);
+  centre /= static_cast<double>(set.nodes.size());
+  if (port.p_WP) centre = *port.p_WP;
+  double sum = 0.0;
+  for (int node : set.nodes) sum += (X(node) - centre).squaredNorm();
+  const double length = std::sqrt(sum / static_cast<double>(set.nodes.size()));
+  Eigen::Vector3d low = mesh.X.front();
+  Eigen::Vector3d high = low;
+  for (const Eigen::Vector3d& point : mesh.X) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+  const double diagonal = (high - low).norm();
+  return length > 1e-9 * diagonal ? length : diagonal;
+}
+
+Model::Model(Params given) : params(std::move(given)) {
+  check(params);
+  mesh = read_mesh(params.mesh);
+  formulation = std::make_unique<CorotationalTet4>(mesh, params.material);
+  integrator = make_integrator(params.integrator);
+  const double density = params.material.density_kg_per_m3;
+  mass = mass_matrix(mesh, pattern(), density, params.mass);
+  nodal_mass = nodal_masses(mesh, density);
+  load_case_ = LoadCase(mesh, params.loads);
+  for (const SetName& name : params.watch) static_cast<void>(find_set(mesh, name));  // must exist
+  divide_nodes();
+  interior = sub_pattern(pattern(), free);
+}
+
+void Model::divide_nodes() {
+  std::vector<std::string> owner(mesh.X.size());
+  for (const PortSet& port : params.ports) {
+    const NodeSet& set = find_set(mesh, port.set);
+    for (int node : set.nodes) {
+      std::string& taken = owner[static_cast<std::size_t>(node)];
+      require(taken.empty(),
+              (port.set.place.file.empty() ? "fem" : port.set.place.text()) + ": node " +
+                  std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]) +
+                  " belongs to the ports '" + taken + "' and '" + port.name +
+                  "'. Let every node follow one port: choose sets without common nodes.");
+      taken = port.name;
+    }
+    ports.push_back({port.name, set.nodes, length_of(mesh, port, set)});
+  }
+  for (const SetName& name : params.fixed) {
+    for (int node : find_set(mesh, name).nodes) {
+      std::string& taken = owner[static_cast<std::size_t>(node)];
+      if (taken == "\n") continue;  // held by another fixed set already
+      require(taken.empty(), (name.place.file.empty() ? "fem" : name.place.text()) + ": node " +
+                                 std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]) +
+                                 " is in the fixed set '" + name.name + "' and in the port '" +
+                                 taken + "'. Choose sets without common nodes.");
+      taken = "\n";  // no port has this name
+      fixed.push_back(node);
+    }
+  }
+  for (int node = 0; node < mesh.nodes(); ++node) {
+    (owner[static_cast<std::size_t>(node)].empty() ? free : prescribed).push_back(node);
+  }
+  require(!free.empty(), "fem: every node of " + mesh.file.string() +
+                             " is in a port or fixed: nothing can move. Mesh finer.");
+}
+
+Eigen::VectorXd Model::reference() const { return stacked(mesh.X); }
+
+Eigen::VectorXd Model::initial_velocities() const {
+  const InitialVelocity& field = params.initial_velocity;
+  std::vector<Eigen::Vector3d> velocities;
+  velocities.reserve(mesh.X.size());
+  for (const Eigen::Vector3d& X : mesh.X) {
+    const Eigen::Vector3d arm = X - field.about_m;
+    velocities.push_back(field.linear_m_per_s + field.angular_rad_per_s.cross(arm) +
+                         field.gradient_per_s * arm);
+  }
+  return stacked(velocities);
+}
+
+Eigen::VectorXd Model::loads(double t_s) const {
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(3 * mesh.nodes());
+  load_case_.add(t_s, f);
+  return f;
+}
+
+Eigen::VectorXd Model::external_forces(double t_s) const {
+  Eigen::VectorXd f = loads(t_s);
+  for (int i = 0; i < mesh.nodes(); ++i) {
+    f.segment<3>(3 * i) += nodal_mass[static_cast<std::size_t>(i)] * params.gravity_m_per_s2;
+  }
+  return f;
+}
+
+}  // namespace tandem::fem

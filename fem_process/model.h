@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem_process/block_matrix.h"
+#include "fem_process/formulation.h"
+#include "fem_process/integrator.h"
+#include "fem_process/loads.h"
+#include "fem_process/mesh.h"
+#include "fem_process/params.h"
+
+namespace tandem::fem {
+
+/// Everything about a flexible body that does not change. Sets are resolved, forces have units.
+class Model {
+ public:
+  explicit Model(Params params);
+
+  struct Port {
+    std::string name;
+    std::vector<int> nodes;
+    double length_m = 0.0;  ///< see length_of
+  };
+
+  Params params;
+  TetMesh mesh;
+  std::unique_ptr<const Formulation> formulation;
+  std::unique_ptr<const Integrator> integrator;
+  std::vector<double> mass;        ///< per block (kg)
+  std::vector<double> nodal_mass;  ///< row sums (kg)
+  std::vector<Port> ports;
+  std::vector<int> fixed;       ///< held at their initial positions
+  std::vector<int> prescribed;  ///< port nodes and fixed nodes
+  std::vector<int> free;
+  SubPattern interior;  ///< free nodes
+
+  [[nodiscard]] const BlockPattern& pattern() const { return formulation->pattern(); }
+  /// Reference positions as one vector (m).
+  [[nodiscard]] Eigen::VectorXd reference() const;
+  /// Velocities of the initial field (m/s).
+  [[nodiscard]] Eigen::VectorXd initial_velocities() const;
+  /// Loads without gravity at time t (N).
+  [[nodiscard]] Eigen::VectorXd loads(double t_s) const;
+  /// Loads and gravity at time t (N).
+  [[nodiscard]] Eigen::VectorXd external_forces(double t_s) const;
+
+ private:
+  void divide_nodes();
+
+  LoadCase load_case_;
+};
+
+/// Root-mean-square distance (m) of a port's nodes from Po when the scenario states where Po is,
+/// else from their centroid. A port of one node, or of none away from Po, takes the diagonal of the
+/// mesh's bounding box: never zero.
+[[nodiscard]] double length_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set);
+
+}  // namespace tandem::fem

@@ -1,0 +1,38 @@
+#include "fem_process/params.h"
+
+#include <cmath>
+
+#include "protocol/contract/error.h"
+
+namespace tandem::fem {
+
+void check(const Params& params) {
+  check(params.material);
+  require(params.mesh.position_m.allFinite(), "fem: the mesh position must be finite.");
+  require(std::abs(params.mesh.orientation.norm() - 1.0) < 1e-9,
+          "fem: the mesh orientation must be a unit quaternion.");
+  require(params.damping.alpha_per_s >= 0.0 && std::isfinite(params.damping.alpha_per_s),
+          "fem: damping alpha " + std::to_string(params.damping.alpha_per_s) +
+              " 1/s must not be negative.");
+  require(
+      params.damping.beta_s >= 0.0 && std::isfinite(params.damping.beta_s),
+      "fem: damping beta " + std::to_string(params.damping.beta_s) + " s must not be negative.");
+  const double alpha = params.integrator.hht_alpha;
+  require(alpha >= -1.0 / 3.0 && alpha <= 0.0,
+          "fem: HHT alpha " + std::to_string(alpha) +
+              " must be between -1/3 (most damping) and 0 (none).");
+  require(params.solver.tolerance > 0.0 && params.solver.tolerance < 1.0,
+          "fem: solver tolerance must be above 0 and below 1.");
+  require(params.solver.max_iterations > 0, "fem: solver max_iterations must be positive.");
+  require(params.micro_step > SimTime{}, "fem: the micro step must be positive.");
+  require(params.gravity_m_per_s2.allFinite(), "fem: gravity must be finite.");
+  for (const Load& load : params.loads) {
+    require(load.value.allFinite(), "fem: the load on '" + load.set.name + "' must be finite.");
+  }
+  const InitialVelocity& v = params.initial_velocity;
+  require(v.linear_m_per_s.allFinite() && v.angular_rad_per_s.allFinite() &&
+              v.about_m.allFinite() && v.gradient_per_s.allFinite(),
+          "fem: the initial velocity must be finite.");
+}
+
+}  // namespace tandem::fem

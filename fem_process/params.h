@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem_process/linear_solver.h"
+#include "fem_process/mass.h"
+#include "fem_process/material.h"
+#include "fem_process/mesh.h"
+#include "protocol/contract/sim_time.h"
+#include "protocol/scenario/law.h"
+
+namespace tandem::fem {
+
+/// Rayleigh damping C = α M + β K_R: element damping forces R K_e Rᵀ v_e of all nodal velocities.
+struct Damping {
+  double alpha_per_s = 0.0;
+  double beta_s = 0.0;
+};
+
+enum class IntegratorKind { BackwardEuler, Hht };
+
+struct IntegratorParams {
+  IntegratorKind kind = IntegratorKind::BackwardEuler;
+  double hht_alpha = -0.05;  ///< in [−1/3, 0]; 0 is the trapezoidal rule
+};
+
+/// A dead load (fixed direction in W, reference areas) times a law of time.
+struct Load {
+  enum class Kind {
+    Nodal,   ///< `value` is the total force (N), in equal parts on the nodes of the set
+    Surface  ///< `value` is the traction (Pa), a third of each triangle's force on its corners
+  };
+  Kind kind = Kind::Nodal;
+  SetName set;
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  Law law{ConstantLaw{1.0}};
+};
+
+/// v(X) = linear + angular × (X − about) + gradient (X − about), in W.
+struct InitialVelocity {
+  Eigen::Vector3d linear_m_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d angular_rad_per_s = Eigen::Vector3d::Zero();
+  Eigen::Vector3d about_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d gradient_per_s = Eigen::Matrix3d::Zero();
+};
+
+/// A port: its name and the node set that follows its frame rigidly.
+struct PortSet {
+  std::string name;
+  SetName set;
+  std::optional<Eigen::Vector3d> p_WP;  ///< Po at t = 0 (m), when the scenario states it
+};
+
+struct Params {
+  MeshParams mesh;
+  Material material;
+  MassKind mass = MassKind::Consistent;
+  Damping damping;
+  IntegratorParams integrator;
+  SolverParams solver;
+  SimTime micro_step{};
+  Eigen::Vector3d gravity_m_per_s2 = Eigen::Vector3d::Zero();
+  std::vector<SetName> fixed;
+  std::vector<Load> loads;
+  InitialVelocity initial_velocity;
+  std::vector<PortSet> ports;
+  std::vector<SetName> watch;  ///< node sets whose mean motion is reported
+};
+
+/// Throws a Usage error that names the first bad value. Names of sets are checked by the model.
+void check(const Params& params);
+
+}  // namespace tandem::fem

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "protocol/contract/hash.h"
+#include "protocol/contract/sim_time.h"
+
+namespace tandem::fem {
+
+/// All that changes in a flexible body. A checkpoint is a copy of it. 3 numbers per node, in W.
+/// Backward Euler needs x and v alone; the other vectors are then empty.
+struct State {
+  SimTime time{};
+  Eigen::VectorXd x;       ///< positions (m)
+  Eigen::VectorXd v;       ///< velocities (m/s)
+  Eigen::VectorXd a;       ///< accelerations (m/s²), at t + α h
+  Eigen::VectorXd a_mean;  ///< (v − v_previous)/h of the last step: prescribed nodes' history
+  Eigen::VectorXd force;   ///< C v + f_int − f_ext (N)
+  Eigen::VectorXd react;   ///< nodal reactions (N), zero at free nodes
+  double external_work_J = 0.0;
+  int inverted_elements = 0;  ///< at the last linearisation
+  /// Number of this state: equal numbers mean equal states, so that what was computed from a state
+  /// is found again after a rollback. Not part of the hash.
+  std::uint64_t generation = 0;
+
+  [[nodiscard]] std::uint64_t hash() const {
+    StateHash hash;
+    hash.add(static_cast<std::int64_t>(time.count()));
+    for (const Eigen::VectorXd* values : {&x, &v, &a, &a_mean, &force, &react}) {
+      hash.add(std::span<const double>(values->data(), static_cast<std::size_t>(values->size())));
+    }
+    hash.add(external_work_J);
+    return hash.value();
+  }
+};
+
+}  // namespace tandem::fem

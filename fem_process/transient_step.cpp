@@ -1,0 +1,270 @@
+#include "fem_process/transient_step.h"
+
+#include <Eigen/Geometry>
+#include <utility>
+
+namespace tandem::fem {
+namespace {
+
+Eigen::VectorXd gather(const Eigen::VectorXd& whole, const std::vector<int>& nodes) {
+  Eigen::VectorXd part(3 * static_cast<Eigen::Index>(nodes.size()));
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    part.segment<3>(3 * static_cast<Eigen::Index>(k)) = whole.segment<3>(3 * nodes[k]);
+  }
+  return part;
+}
+
+template <class Part>
+void scatter_add(const Part& part, const std::vector<int>& nodes, Eigen::VectorXd& whole) {
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    whole.segment<3>(3 * nodes[k]) += part.template segment<3>(3 * static_cast<Eigen::Index>(k));
+  }
+}
+
+/// S_II = m M + k K on the pattern of the free nodes.
+void combine(const Model& model, double m, const BlockValues* K, double k, BlockValues& S) {
+  S.assign(9 * model.interior.pattern.blocks(), 0.0);
+  for (std::size_t b = 0; b < model.interior.source.size(); ++b) {
+    const int source = model.interior.source[b];
+    Eigen::Map<Block> target = block(S, static_cast<int>(b));
+    if (K != nullptr) target = k * block(*K, source);
+    target.diagonal().array() += m * model.mass[static_cast<std::size_t>(source)];
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd TransientStep::damping_force(const BlockValues& K, const Eigen::VectorXd& v) const {
+  const Damping& damping = model_.params.damping;
+  return damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, v) +
+         multiply(model_.pattern(), K, damping.beta_s * v);
+}
+
+void TransientStep::prescribe(const MotionSet& motions, Eigen::VectorXd& x,
+                              Eigen::VectorXd& v) const {
+  for (std::size_t p = 0; p < arms_.size(); ++p) {
+    const Eigen::Matrix3d R_WP = motions[p].q_WP.toRotationMatrix();
+    for (std::size_t k = 0; k < arms_[p].size(); ++k) {
+      const Eigen::Vector3d r_W = R_WP * arms_[p][k];
+      const int node = model_.ports[p].nodes[k];
+      x.segment<3>(3 * node) = motions[p].p_WP + r_W;
+      v.segment<3>(3 * node) = motions[p].v_WP + motions[p].w_WP.cross(r_W);
+    }
+  }
+  for (int node : model_.fixed) v.segment<3>(3 * node).setZero();
+}
+
+WrenchSet TransientStep::wrenches(const MotionSet& motions, const Eigen::VectorXd& react) const {
+  WrenchSet wrenches(arms_.size());
+  for (std::size_t p = 0; p < arms_.size(); ++p) {
+    const Eigen::Matrix3d R_WP = motions[p].q_WP.toRotationMatrix();
+    for (std::size_t k = 0; k < arms_[p].size(); ++k) {
+      const Eigen::Vector3d g = react.segment<3>(3 * model_.ports[p].nodes[k]);
+      wrenches[p].f_P_W -= g;
+      wrenches[p].t_P_W -= (R_WP * arms_[p][k]).cross(g);
+    }
+  }
+  return wrenches;
+}
+
+SolveReport TransientStep::start(const MotionSet& motions, State& state,
+                                 WrenchSet& wrenches_out) const {
+  state.x = model_.reference();
+  state.v = model_.initial_velocities();
+  prescribe(motions, state.x, state.v);
+  Eigen::VectorXd f_int;
+  BlockValues K;
+  state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
+  const Eigen::VectorXd force = f_int + damping_force(K, state.v) - model_.external_forces(0.0);
+
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(state.x.size());
+  for (std::size_t p = 0; p < arms_.size(); ++p) {
+    const Eigen::Vector3d& w = motions[p].w_WP;
+    const Eigen::Matrix3d R_WP = motions[p].q_WP.toRotationMatrix();
+    for (std::size_t k = 0; k < arms_[p].size(); ++k) {
+      a.segment<3>(3 * model_.ports[p].nodes[k]) = w.cross(w.cross(R_WP * arms_[p][k]));
+    }
+  }
+  Eigen::MatrixXd rhs =
+      -gather(multiply_scalar(model_.pattern(), model_.mass, a) + force, model_.free);
+  BlockValues M;
+  combine(model_, 1.0, nullptr, 0.0, M);
+  const auto solver = make_solver(model_.params.solver, model_.interior.pattern);
+  SolveReport report = solver->factorize(M);
+  const Eigen::VectorXd norms = Eigen::VectorXd::Constant(1, rhs.norm());
+  if (report.outcome == Outcome::Done) report = solver->solve(rhs, norms);
+  scatter_add(rhs.col(0), model_.free, a);
+
+  Eigen::VectorXd react = multiply_scalar(model_.pattern(), model_.mass, a) + force;
+  for (int node : model_.free) react.segment<3>(3 * node).setZero();
+  wrenches_out = wrenches(motions, react);
+  if (model_.integrator->keeps_history()) {
+    state.a_mean = a;
+    state.a = std::move(a);
+    state.force = force;
+    state.react = std::move(react);
+  }
+  return report;
+}
+
+void TransientStep::linearise(const State& begin, double h_s, Linearisation& kept) const {
+  if (kept.generation == begin.generation && kept.h_s == h_s && kept.generation != 0) return;
+  kept.generation = begin.generation;
+  kept.h_s = h_s;
+  kept.map = model_.integrator->map(begin, h_s);
+  kept.inverted_elements = model_.formulation->evaluate(kept.map.x_tilde, kept.f_int, kept.K);
+  const Damping& damping = model_.params.damping;
+  const StepMap& map = kept.map;
+  combine(model_, map.c_a + map.theta * damping.alpha_per_s, &kept.K,
+          map.theta * (damping.beta_s + map.c_x), kept.S);
+  if (!kept.solver) kept.solver = make_solver(model_.params.solver, model_.interior.pattern);
+  kept.factorisation = kept.solver->factorize(kept.S);
+}
+
+TransientStep::Balance TransientStep::balance(const Linearisation& kept, const State& begin,
+                                              const Eigen::VectorXd& f_ext,
+                                              const Eigen::VectorXd& v, const Eigen::VectorXd& d,
+                                              const Eigen::VectorXd& a) const {
+  const Damping& damping = model_.params.damping;
+  const double theta = kept.map.theta;
+  Balance balance;
+  balance.force = kept.f_int - f_ext + multiply(model_.pattern(), kept.K, damping.beta_s * v + d);
+  if (damping.alpha_per_s > 0.0) {
+    balance.force += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, v);
+  }
+  balance.residual = multiply_scalar(model_.pattern(), model_.mass, a) + theta * balance.force;
+  if (begin.force.size() > 0) balance.residual += (1.0 - theta) * begin.force;
+  return balance;
+}
+
+TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end, SimTime h,
+                                             Linearisation& kept) const {
+  linearise(begin, to_seconds(h), kept);
+  Result result;
+  result.report = kept.factorisation;
+  if (kept.factorisation.outcome == Outcome::Failed) return result;
+  const StepMap& map = kept.map;
+  const SimTime time = begin.time + h;
+  const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time));
+
+  // Free nodes start from their last velocities; prescribed ones have their final motion.
+  Eigen::VectorXd x = begin.x;
+  Eigen::VectorXd v = begin.v;
+  prescribe(end, x, v);
+  Eigen::VectorXd d = map.d_hat + map.c_x * v;
+  Eigen::VectorXd a = map.a_hat + map.c_a * v;
+  for (int node : model_.prescribed) {
+    const Eigen::Index at = 3 * node;
+    a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
+    if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
+  }
+  const Balance guess = balance(kept, begin, f_ext, v, d, a);
+  Eigen::MatrixXd delta = -gather(guess.residual, model_.free);
+  const Eigen::VectorXd b =
+      delta + multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
+  result.report = kept.solver->solve(delta, Eigen::VectorXd::Constant(1, b.norm()));
+  if (result.report.outcome == Outcome::Failed) return result;
+  scatter_add(delta.col(0), model_.free, v);
+  scatter_add(map.c_x * delta.col(0), model_.free, d);
+  scatter_add(map.c_a * delta.col(0), model_.free, a);
+
+  const Balance balanced = balance(kept, begin, f_ext, v, d, a);
+  const Eigen::VectorXd from = begin.react.size() > 0
+                                   ? Eigen::VectorXd((1.0 - map.theta) * begin.react)
+                                   : Eigen::VectorXd::Zero(x.size());
+  result.react = (balanced.residual - from) / map.theta;
+  for (int node : model_.free) {
+    result.react.segment<3>(3 * node).setZero();
+    x.segment<3>(3 * node) = map.x_tilde.segment<3>(3 * node) + d.segment<3>(3 * node);
+  }
+  result.wrenches = wrenches(end, result.react);
+  result.state.external_work_J =
+      begin.external_work_J +
+      0.5 *
+          (model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time))).dot(x - begin.x);
+  result.state.time = time;
+  result.state.inverted_elements = kept.inverted_elements;
+  if (model_.integrator->keeps_history()) {
+    result.state.a_mean = (v - begin.v) / to_seconds(h);
+    result.state.a = std::move(a);
+    result.state.force = balanced.force;
+    result.state.react = result.react;
+  }
+  result.state.x = std::move(x);
+  result.state.v = std::move(v);
+  return result;
+}
+
+SolveReport TransientStep::linearize(const MotionSet& end, const Result& result,
+                                     Linearisation& kept, InterfaceJacobian& jacobian) const {
+  const StepMap& map = kept.map;
+  const Damping& damping = model_.params.damping;
+  const auto ports = static_cast<Eigen::Index>(arms_.size());
+  const Eigen::Index n = result.state.x.size();
+  // Right-hand side and full-length change of the balance for one change of nodal motion.
+  const auto change = [&](const Eigen::VectorXd& dv, const Eigen::VectorXd& dd,
+                          const Eigen::VectorXd& da) -> Eigen::VectorXd {
+    return multiply_scalar(model_.pattern(), model_.mass,
+                           da + map.theta * damping.alpha_per_s * dv) +
+           multiply(model_.pattern(), kept.K, map.theta * (damping.beta_s * dv + dd));
+  };
+  // Every column moves the port's nodes by dv and, where positions are prescribed, by dx.
+  Eigen::MatrixXd dv = Eigen::MatrixXd::Zero(n, 12 * ports);
+  Eigen::MatrixXd dd = Eigen::MatrixXd::Zero(n, 12 * ports);
+  for (Eigen::Index p = 0; p < ports; ++p) {
+    const auto port = static_cast<std::size_t>(p);
+    const Eigen::Matrix3d R_WP = end[port].q_WP.toRotationMatrix();
+    for (std::size_t k = 0; k < arms_[port].size(); ++k) {
+      const Eigen::Vector3d r_W = R_WP * arms_[port][k];
+      const Eigen::Index row = 3 * model_.ports[port].nodes[k];
+      for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
+        const Eigen::Index column = 12 * p + axis;
+        dv.block<3, 1>(row, column + 3) = end[port].w_WP.cross(e.cross(r_W));
+        dv.block<3, 1>(row, column + 6) = e;
+        dv.block<3, 1>(row, column + 9) = e.cross(r_W);
+        dd.block<3, 1>(row, column) = e;
+        dd.block<3, 1>(row, column + 3) = e.cross(r_W);
+      }
+    }
+  }
+  if (!map.prescribed_position) dd = map.c_x * dv;
+
+  const auto free_rows = 3 * static_cast<Eigen::Index>(model_.free.size());
+  Eigen::MatrixXd delta(free_rows, 12 * ports);
+  Eigen::VectorXd norms(12 * ports);
+  for (Eigen::Index c = 0; c < 12 * ports; ++c) {
+    delta.col(c) =
+        -gather(change(dv.col(c), dd.col(c), map.c_a_prescribed * dv.col(c)), model_.free);
+    norms(c) = delta.col(c).norm();
+  }
+  SolveReport report = kept.solver->solve(delta, norms);
+  if (report.outcome == Outcome::Failed) return report;
+
+  jacobian.setZero(6 * ports, 12 * ports);
+  for (Eigen::Index c = 0; c < 12 * ports; ++c) {
+    Eigen::VectorXd dv_all = dv.col(c);
+    Eigen::VectorXd dd_all = dd.col(c);
+    Eigen::VectorXd da_all = map.c_a_prescribed * dv.col(c);
+    scatter_add(delta.col(c), model_.free, dv_all);
+    scatter_add(map.c_x * delta.col(c), model_.free, dd_all);
+    scatter_add(map.c_a * delta.col(c), model_.free, da_all);
+    jacobian.col(c) = stack(wrenches(end, change(dv_all, dd_all, da_all) / map.theta));
+  }
+  // Turning the port turns the torque arms: −Σ (δθ × r) × g.
+  for (Eigen::Index p = 0; p < ports; ++p) {
+    const auto port = static_cast<std::size_t>(p);
+    const Eigen::Matrix3d R_WP = end[port].q_WP.toRotationMatrix();
+    for (std::size_t k = 0; k < arms_[port].size(); ++k) {
+      const Eigen::Vector3d r_W = R_WP * arms_[port][k];
+      const Eigen::Vector3d g = result.react.segment<3>(3 * model_.ports[port].nodes[k]);
+      for (int axis = 0; axis < 3; ++axis) {
+        jacobian.block<3, 1>(6 * p + 3, 12 * p + 3 + axis) -=
+            Eigen::Vector3d::Unit(axis).cross(r_W).cross(g);
+      }
+    }
+  }
+  return report;
+}
+
+}  // namespace tandem::fem

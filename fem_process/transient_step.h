@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "fem_process/model.h"
+#include "fem_process/state.h"
+#include "protocol/contract/port.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem::fem {
+
+/// What one step needs from the state it starts from, whatever its input: kept for repetitions of
+/// the step after a rollback.
+struct Linearisation {
+  std::uint64_t generation = 0;  ///< of the state; 0 = none
+  double h_s = 0.0;
+  StepMap map;
+  Eigen::VectorXd f_int;  ///< at x̃ (N)
+  BlockValues K;          ///< at x̃ (N/m)
+  int inverted_elements = 0;
+  std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
+  BlockValues S;                         ///< interior step matrix (kg/s)
+  SolveReport factorisation;
+};
+
+/// Port nodes' arms in port axes: r_i = R_WP(0)ᵀ (X_i − p_WP(0)), per port and node (m).
+using PortArms = std::vector<std::vector<Eigen::Vector3d>>;
+
+/// Makes single steps of a model. Const but for the scratch it is handed.
+class TransientStep {
+ public:
+  TransientStep(const Model& model, PortArms arms) : model_(model), arms_(std::move(arms)) {}
+
+  /// State and wrenches at t = 0: free nodes with the initial velocity field, port nodes with the
+  /// port's rigid velocity, accelerations from M_II a_I = (f_ext − f_int − C v)_I − M_Ip a_p with
+  /// a_p = w × (w × r), i.e. ports at constant twist: the input says nothing about their
+  /// acceleration.
+  SolveReport start(const MotionSet& motions, State& state, WrenchSet& wrenches) const;
+
+  struct Result {
+    SolveReport report;
+    State state;
+    WrenchSet wrenches;
+    Eigen::VectorXd react;  ///< nodal reactions at the end (N)
+  };
+  /// One step of length h to the motions at its end. `kept` is filled unless it belongs to this
+  /// state and h already; equal bits either way.
+  Result advance(const State& begin, const MotionSet& end, SimTime h, Linearisation& kept) const;
+
+  /// Exact derivative of the end wrenches with respect to the end motions of the step that `result`
+  /// came from, 6P × 12P: one solve per direction that moves port nodes, plus the turning of the
+  /// torque arms.
+  SolveReport linearize(const MotionSet& end, const Result& result, Linearisation& kept,
+                        InterfaceJacobian& jacobian) const;
+
+ private:
+  struct Balance {
+    Eigen::VectorXd force;     ///< r = C v + f_int − f_ext (N)
+    Eigen::VectorXd residual;  ///< M a + θ r + (1 − θ) r_n (N)
+  };
+  void linearise(const State& begin, double h_s, Linearisation& kept) const;
+  void prescribe(const MotionSet& motions, Eigen::VectorXd& x, Eigen::VectorXd& v) const;
+  [[nodiscard]] Balance balance(const Linearisation& kept, const State& begin,
+                                const Eigen::VectorXd& f_ext, const Eigen::VectorXd& v,
+                                const Eigen::VectorXd& d, const Eigen::VectorXd& a) const;
+  [[nodiscard]] WrenchSet wrenches(const MotionSet& motions, const Eigen::VectorXd& react) const;
+  [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
+
+  const Model& model_;
+  PortArms arms_;
+};
+
+}  // namespace tandem::fem
