@@ -3,3 +3,7 @@ tandem_test(test_mbs_contract
   SOURCES contract/mbs_rollback_test.cpp
   LIBS mbs
   LABELS contract)
+tandem_test(test_mbs_convergence
+  SOURCES convergence/mbs_order_test.cpp
+  LIBS mbs
+  LABELS convergence)

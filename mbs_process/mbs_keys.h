@@ -1,0 +1,17 @@
+#pragma once
+
+#include "mbs_process/params.h"
+#include "protocol/scenario/key_table.h"
+#include "protocol/scenario/node.h"
+
+namespace tandem::mbs {
+
+/// Section `mbs` of a scenario: the rigid bodies and what connects and drives them.
+[[nodiscard]] scenario::Key mbs_keys();
+
+/// Parameters from a scenario whose table holds mbs_keys(), run_keys() and ports_keys(). Throws a
+/// Usage error "file:line:column: key: …" for what the table cannot express: unknown bodies, axes
+/// that a joint does not have, reversed limits.
+[[nodiscard]] Params read_params(const scenario::Node& root);
+
+}  // namespace tandem::mbs
