@@ -66,7 +66,9 @@ Key damping_key() {
           .by_default("0")
           .doc_is("Part proportional to stiffness: damping ratio ω β/2 at angular frequency ω."),
   };
-  return scenario::section("damping", std::move(damping)).doc_is("Rayleigh damping.");
+  return scenario::section("damping", std::move(damping))
+      .by_default("{}")
+      .doc_is("Rayleigh damping.");
 }
 
 Key integrator_key() {
@@ -83,7 +85,9 @@ Key integrator_key() {
           .by_default("-0.05")
           .doc_is("Numerical damping of HHT: 0 none (trapezoidal rule), -1/3 most."),
   };
-  return scenario::section("integrator", std::move(integrator)).doc_is("Time integration.");
+  return scenario::section("integrator", std::move(integrator))
+      .by_default("{}")
+      .doc_is("Time integration.");
 }
 
 Key solver_key() {
@@ -106,7 +110,9 @@ Key solver_key() {
           .by_default("5000")
           .doc_is("Iterations after which PCG stops and reports that it has not converged."),
   };
-  return scenario::section("solver", std::move(solver)).doc_is("Linear solver of the steps.");
+  return scenario::section("solver", std::move(solver))
+      .by_default("{}")
+      .doc_is("Linear solver of the steps.");
 }
 
 Key loads_key() {
@@ -153,6 +159,7 @@ Key initial_velocity_key() {
           .doc_is("Velocity gradient ∂v_i/∂X_j, row by row."),
   };
   return scenario::section("initial_velocity", std::move(field))
+      .by_default("{}")
       .doc_is("Velocities at t = 0; port nodes start with their port's instead.");
 }
 

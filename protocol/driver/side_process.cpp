@@ -79,6 +79,18 @@ std::vector<wire::Process> partners_of(const SideProgram& program, wire::Process
   return {driver, Process::Orchestrator};
 }
 
+/// Until every partner has been heard: starting takes longer than an answer in mid-run may.
+void await(const std::vector<wire::Process>& partners, wire::Bus& bus, wire::Heartbeat& heartbeat,
+           double start_timeout_s, int parent_pid) {
+  wire::LivenessMonitor monitor(bus, partners, start_timeout_s, parent_pid);
+  for (wire::Process partner : partners) {
+    if (!monitor.heard_from(partner)) {
+      heartbeat.set_phase(std::string("waiting for ") + executable_of(partner));
+    }
+    while (!monitor.heard_from(partner)) monitor.wait(0.02);
+  }
+}
+
 int join_run(const SideProgram& program, const Options& options,
              const std::function<int(SideContext&)>& body) {
   const auto loaded =
@@ -92,11 +104,11 @@ int join_run(const SideProgram& program, const Options& options,
   wire::Bus bus(bus_options);
   try {
     wire::Heartbeat heartbeat(bus, params.timeout_s);
-    heartbeat.set_phase("loading its model");
     const wire::Process driver =
         params.driver == DriverPlace::Mbs ? wire::Process::Mbs : wire::Process::Orchestrator;
-    wire::LivenessMonitor monitor(bus, partners_of(program, driver), params.timeout_s,
-                                  options.parent_pid);
+    const std::vector<wire::Process> partners = partners_of(program, driver);
+    await(partners, bus, heartbeat, params.start_timeout_s, options.parent_pid);
+    wire::LivenessMonitor monitor(bus, partners, params.timeout_s, options.parent_pid);
     SideContext context{.scenario = loaded,
                         .run = scenario::read_run(loaded.root),
                         .wire = params,
@@ -106,6 +118,7 @@ int join_run(const SideProgram& program, const Options& options,
                         .heartbeat = heartbeat,
                         .monitor = monitor,
                         .driver = driver};
+    heartbeat.set_phase("loading its model");
     return body(context);
   } catch (const Error& error) {
     wire::publish_abort(bus, error.exit_code(), error.what());

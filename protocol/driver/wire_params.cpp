@@ -36,7 +36,7 @@ scenario::Key wire_keys() {
                "reach other hosts of the subnet.")
            .between(0, 255)
            .by_default(std::to_string(d.ttl))}};
-  return scenario::section("wire", std::move(content));
+  return scenario::section("wire", std::move(content)).by_default("{}");
 }
 
 WireParams read_wire(const scenario::Node& root) {

@@ -97,7 +97,7 @@ scenario::Key coupling_keys() {
                    "residual exceeds half the wrench, that stops the run as diverged.")
            .above(1.0)
            .by_default(number(d.divergence_growth))}};
-  return scenario::section("coupling", std::move(content));
+  return scenario::section("coupling", std::move(content)).by_default("{}");
 }
 
 CouplingParams read_coupling(const scenario::Node& root) {

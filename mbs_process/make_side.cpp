@@ -1,0 +1,27 @@
+#include "mbs_process/make_side.h"
+
+#include "mbs_process/bodies_csv.h"
+#include "mbs_process/mbs_keys.h"
+#include "protocol/scenario/common_keys.h"
+
+namespace tandem::mbs {
+
+std::unique_ptr<RigidWorld> make_side(const scenario::Node& root,
+                                      const std::filesystem::path& directory) {
+  auto world = std::make_unique<RigidWorld>(read_params(root));
+  if (directory.empty()) return world;
+
+  std::vector<std::string> names;
+  for (const BodyParams& body : world->params().bodies) names.push_back(body.name);
+  // shared_ptr: std::function must be copyable, although this one never is copied.
+  auto csv = std::make_shared<BodiesCsv>(directory / "bodies.csv", names,
+                                         scenario::read_output(root).bodies_every_steps);
+  const SimTime end = scenario::read_run(root).duration;
+  world->on_accepted_state([csv, end](const State& state) {
+    csv->write(state);
+    if (state.time >= end) csv->finish();
+  });
+  return world;
+}
+
+}  // namespace tandem::mbs

@@ -1,0 +1,149 @@
+#include "orchestrator/commands.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "orchestrator/model.h"
+#include "orchestrator/run.h"
+#include "orchestrator/run_directory.h"
+#include "orchestrator/scenario_table.h"
+#include "protocol/contract/error.h"
+#include "protocol/scenario/scenario_file.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+/// Options that every command on a scenario has.
+struct ScenarioOptions {
+  std::string file;
+  std::vector<std::string> sets;
+  std::string scheme;
+  std::string driver;
+  std::string out;
+
+  void declare(CLI::App& command) {
+    command.add_option("SCENARIO", file, "Scenario file (YAML)")->required();
+    command.add_option("--set", sets, "Override one key: --set coupling.scheme=implicit")
+        ->type_name("KEY=VALUE")
+        ->take_all();
+    command.add_option("--driver", driver, "Process that runs the scheme: mbs or orchestrator");
+  }
+
+  [[nodiscard]] Model load() const {
+    std::vector<scenario::Override> overrides;
+    for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
+    if (!scheme.empty()) overrides.push_back({"coupling.scheme", scheme});
+    if (!driver.empty()) overrides.push_back({"wire.driver", driver});
+    return load_model(file, overrides);
+  }
+  [[nodiscard]] std::optional<std::filesystem::path> folder() const {
+    return out.empty() ? std::nullopt : std::optional<std::filesystem::path>(out);
+  }
+};
+
+struct RunCommand {
+  ScenarioOptions scenario;
+  std::string transport = "lcm";
+  bool monolithic = false;
+  bool attach = false;
+  bool quiet = false;
+
+  [[nodiscard]] Mode mode() const {
+    require(!(monolithic && attach), "--attach: a monolithic run has no side processes to start");
+    if (monolithic) return Mode::Monolithic;
+    return transport == "lcm" ? Mode::Lcm : Mode::Inproc;
+  }
+
+  int run() const {
+    const Model model = scenario.load();
+    const RunDirectory directory = RunDirectory::create(scenario.folder(), model.name);
+    const RunOutcome outcome =
+        run_model(model, directory, {.mode = mode(), .silent = quiet, .attach = attach});
+    report(outcome, directory);
+    return outcome.exit_code;
+  }
+
+  static void report(const RunOutcome& outcome, const RunDirectory& directory) {
+    const auto& s = outcome.summary;
+    if (outcome.exit_code != 0) {
+      std::fprintf(stderr, "%s\n", s.at("message").get<std::string>().c_str());
+    }
+    if (s.contains("wall_s")) {
+      std::printf(
+          "%s\n",
+          fmt::format("{} ({}, {}): {}, {} macro steps, {:.2f} iterations per step, "
+                      "{:.3f} s wall for {:.3f} s simulated, state {}",
+                      s.at("scenario").get<std::string>(), s.at("mode").get<std::string>(),
+                      s.at("scheme").get<std::string>(), s.at("status").get<std::string>(),
+                      s.at("macro_steps").get<std::int64_t>(),
+                      s.at("iterations").at("mean").get<double>(), s.at("wall_s").get<double>(),
+                      s.at("simulated_s").get<double>(), s.at("state_hash").get<std::string>())
+              .c_str());
+    }
+    std::printf("run folder: %s\n", directory.path().c_str());
+  }
+};
+
+void add_run(CLI::App& app, int& exit_code) {
+  auto command = std::make_shared<RunCommand>();
+  CLI::App* sub = app.add_subcommand("run", "Run a coupled pair and write a run folder");
+  command->scenario.declare(*sub);
+  sub->add_option("--scheme", command->scenario.scheme,
+                  "explicit_serial, implicit or interface_jacobian");
+  sub->add_option("--out", command->scenario.out, "Run folder [runs/<scenario>/<UTC time>]");
+  sub->add_option("--transport", command->transport, "lcm: two processes; inproc: one")
+      ->check(CLI::IsMember({"lcm", "inproc"}))
+      ->capture_default_str();
+  sub->add_flag("--monolithic", command->monolithic,
+                "One process, one coupled system per step: the reference for cost and error");
+  sub->add_flag("--attach", command->attach,
+                "Do not start the sides: print how to start them by hand (debugger)");
+  sub->add_flag("--quiet", command->quiet, "No progress and no forwarded logs");
+  sub->callback([command, &exit_code] { exit_code = command->run(); });
+}
+
+void add_check(CLI::App& app) {
+  auto options = std::make_shared<ScenarioOptions>();
+  CLI::App* sub = app.add_subcommand(
+      "check",
+      "Validate a scenario with its mesh: file:line:column, what is wrong, what would be right");
+  options->declare(*sub);
+  sub->callback([options] {
+    const Model model = options->load();
+    const auto mbs = make_mbs(model, {});
+    const auto fem = make_fem(model, {});
+    std::printf("%s\n", fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}",
+                                    options->file, model.run.macro_steps(),
+                                    to_seconds(model.run.macro_step), model.port_names.size(),
+                                    to_string(model.coupling.scheme))
+                            .c_str());
+  });
+}
+
+void add_schema(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand(
+      "keys", "Print the scenario reference page or the JSON Schema for editors");
+  auto schema = std::make_shared<bool>(false);
+  sub->add_flag("--schema", *schema, "JSON Schema (draft 2020-12) in place of the Markdown page");
+  sub->callback([schema] {
+    const auto& table = scenario_table();
+    const std::string text = *schema ? scenario::json_schema(table, "Tandem scenario")
+                                     : scenario::reference_markdown(table, "Scenario reference");
+    std::printf("%s", text.c_str());
+  });
+}
+
+}  // namespace
+
+void add_commands(CLI::App& app, int& exit_code) {
+  add_run(app, exit_code);
+  add_check(app);
+  add_schema(app);
+}
+
+}  // namespace tandem::orchestrator

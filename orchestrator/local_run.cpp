@@ -1,0 +1,22 @@
+#include "orchestrator/local_run.h"
+
+#include "orchestrator/monolithic.h"
+#include "protocol/driver/coupled_run.h"
+
+namespace tandem::orchestrator {
+
+RunReport run_here(const Model& model, const RunDirectory& directory, Mode mode,
+                   Recorder& recorder) {
+  const auto mbs = make_mbs(model, directory.path());
+  const auto fem = make_fem(model, directory.path());
+  CoupledRunParams params = scheme_run(model.run, model.coupling);
+  if (mode == Mode::Monolithic) {
+    params.scheme_name = "monolithic";
+    params.make_scheme = [](std::vector<PortInfo> ports) {
+      return std::make_unique<MonolithicStep>(std::move(ports));
+    };
+  }
+  return run_coupled(params, {*mbs, Locality::Here}, {*fem, Locality::Here}, recorder);
+}
+
+}  // namespace tandem::orchestrator

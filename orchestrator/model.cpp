@@ -1,0 +1,31 @@
+#include "orchestrator/model.h"
+
+#include "fem_process/make_side.h"
+#include "mbs_process/make_side.h"
+#include "orchestrator/scenario_table.h"
+
+namespace tandem::orchestrator {
+
+Model load_model(const std::filesystem::path& file,
+                 const std::vector<scenario::Override>& overrides) {
+  Model model{.scenario = scenario::load(file, scenario_table(), overrides)};
+  const scenario::Node& root = model.scenario.root;
+  model.name = root.text("name");
+  model.run = scenario::read_run(root);
+  model.coupling = read_coupling(root);
+  model.wire = read_wire(root);
+  for (const scenario::PortParams& port : scenario::read_ports(root)) {
+    model.port_names.push_back(port.name);
+  }
+  return model;
+}
+
+std::unique_ptr<MbsSide> make_mbs(const Model& model, const std::filesystem::path& directory) {
+  return mbs::make_side(model.scenario.root, directory);
+}
+
+std::unique_ptr<FemSide> make_fem(const Model& model, const std::filesystem::path& directory) {
+  return fem::make_side(model.scenario.root, directory);
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "protocol/contract/subsystem.h"
+#include "protocol/driver/wire_params.h"
+#include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/scenario_file.h"
+#include "protocol/schemes/coupling_params.h"
+
+namespace tandem::orchestrator {
+
+/// A validated scenario and its parts that the orchestrator itself uses.
+struct Model {
+  scenario::Loaded scenario;
+  std::string name;
+  scenario::RunParams run;
+  CouplingParams coupling;
+  WireParams wire;
+  std::vector<std::string> port_names;
+};
+
+/// Loads and validates with the whole key table.
+[[nodiscard]] Model load_model(const std::filesystem::path& file,
+                               const std::vector<scenario::Override>& overrides);
+
+/// The sides as objects of this process. `directory`: run folder for their files; empty = none.
+[[nodiscard]] std::unique_ptr<MbsSide> make_mbs(const Model& model,
+                                                const std::filesystem::path& directory);
+[[nodiscard]] std::unique_ptr<FemSide> make_fem(const Model& model,
+                                                const std::filesystem::path& directory);
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "orchestrator/model.h"
+#include "orchestrator/progress.h"
+#include "orchestrator/run_directory.h"
+#include "orchestrator/step_tables.h"
+#include "protocol/driver/coupled_run.h"
+#include "protocol/wire/event_log.h"
+
+namespace tandem::orchestrator {
+
+/// Writes everything that a run leaves behind, macro step by macro step: exchange.lcm, steps.csv
+/// and ports.csv. A step that record() has returned from is readable even if this process dies
+/// next.
+class Recorder final : public StepSink {
+ public:
+  Recorder(const Model& model, const RunDirectory& directory, std::uint64_t run_id, bool silent);
+
+  double record(wire::StepJournal journal) override;
+
+  /// Closes the log with how the run ended.
+  void finish(const wire::Finished& finished);
+
+  /// Flushes the tables and ends the progress line; to be called also when the run failed.
+  void flush();
+
+  [[nodiscard]] std::int64_t recorded_steps() const { return recorded_steps_; }
+
+  /// Also hand the accepted interface of every macro step to `watch` (comparisons).
+  using Watch = std::function<void(const AcceptedInterface&)>;
+  void watch(Watch watch) { watch_ = std::move(watch); }
+
+ private:
+  wire::LogWriter log_;
+  StepTables tables_;
+  Progress progress_;
+  Watch watch_;
+  std::int64_t recorded_steps_ = 0;
+};
+
+}  // namespace tandem::orchestrator

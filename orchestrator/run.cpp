@@ -1,0 +1,86 @@
+#include "orchestrator/run.h"
+
+#include <fmt/format.h>
+
+#include "orchestrator/lcm_run.h"
+#include "orchestrator/local_run.h"
+#include "orchestrator/text_file.h"
+#include "protocol/contract/error.h"
+#include "protocol/driver/side_process.h"
+#include "protocol/wire/bus.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+using nlohmann::ordered_json;
+
+wire::Finished run_in_mode(const Model& model, const RunDirectory& directory,
+                           const RunOptions& options, std::uint64_t run_id, Recorder& recorder) {
+  if (options.mode == Mode::Lcm) {
+    return run_over_lcm(model, directory, options, run_id, recorder);
+  }
+  const RunReport report = run_here(model, directory, options.mode, recorder);
+  return {.exit_code = report.exit_code(),
+          .message = report.message,
+          .summary_json = to_json(report).dump()};
+}
+
+ordered_json heading(const Model& model, Mode mode) {
+  return {{"tandem", kTandemVersion}, {"scenario", model.name}, {"mode", to_string(mode)}};
+}
+
+RunOutcome outcome_of_failure(const Model& model, Mode mode, int exit_code,
+                              const std::string& message, std::int64_t recorded_steps) {
+  RunOutcome outcome{.exit_code = exit_code, .summary = heading(model, mode)};
+  outcome.summary["scheme"] = to_string(model.coupling.scheme);
+  outcome.summary["status"] = "failed";
+  outcome.summary["message"] = message;
+  outcome.summary["macro_steps"] = recorded_steps;
+  return outcome;
+}
+
+}  // namespace
+
+std::string to_string(Mode mode) {
+  switch (mode) {
+    case Mode::Lcm:
+      return "lcm";
+    case Mode::Inproc:
+      return "inproc";
+    case Mode::Monolithic:
+      return "monolithic";
+  }
+  return "unknown";
+}
+
+RunOutcome run_model(const Model& model, const RunDirectory& directory, const RunOptions& options) {
+  const std::uint64_t run_id = wire::random_run_id();
+  Recorder recorder(model, directory, run_id, options.silent);
+  recorder.watch(options.watch);
+  RunOutcome outcome;
+  try {
+    const wire::Finished finished = run_in_mode(model, directory, options, run_id, recorder);
+    recorder.finish(finished);
+    recorder.flush();
+    outcome = {.exit_code = finished.exit_code, .summary = heading(model, options.mode)};
+    outcome.summary.update(ordered_json::parse(finished.summary_json));
+  } catch (const Error& error) {
+    outcome = outcome_of_failure(model, options.mode, error.exit_code(), error.what(),
+                                 recorder.recorded_steps());
+  } catch (const std::exception& error) {
+    outcome = outcome_of_failure(model, options.mode, 4, error.what(), recorder.recorded_steps());
+  }
+  try {
+    if (outcome.exit_code != 0) recorder.flush();
+    write_text_file(directory.summary(), outcome.summary.dump(2) + "\n");
+  } catch (const Error& error) {
+    // A full disk must not hide why the run itself ended.
+    if (outcome.exit_code == 0) {
+      return outcome_of_failure(model, options.mode, error.exit_code(), error.what(),
+                                recorder.recorded_steps());
+    }
+  }
+  return outcome;
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,87 @@
+#include "orchestrator/side_launch.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "protocol/contract/cost.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+ErrorKind kind_of(const ExitStatus& status) {
+  if (status.code == 2) return ErrorKind::Usage;
+  if (status.code == 3) return ErrorKind::NotSolved;
+  return ErrorKind::Partner;
+}
+
+}  // namespace
+
+SideLaunch::SideLaunch(const std::vector<wire::Process>& sides, const RunDirectory& directory,
+                       std::uint64_t run_id, int port, bool attach, bool silent)
+    : silent_(silent) {
+  for (wire::Process side : sides) {
+    const std::string name = wire::executable_of(side);
+    std::vector<std::string> arguments{
+        "--scenario", directory.scenario().string(), "--run", fmt::format("{:016x}", run_id),
+        "--port",     std::to_string(port),          "--dir", directory.path().string()};
+    if (attach) {
+      std::fprintf(stderr, "start by hand: %s %s\n", name.c_str(),
+                   fmt::format("{}", fmt::join(arguments, " ")).c_str());
+      continue;
+    }
+    arguments.insert(arguments.end(), {"--parent", std::to_string(getpid())});
+    const auto log = directory.process_log(wire::text_of(side));
+    children_.push_back(std::unique_ptr<Child>(
+        new Child{side, ChildProcess(name, find_program(name), arguments, log),
+                  LogTail(wire::text_of(side), log)}));
+  }
+}
+
+SideLaunch::~SideLaunch() {
+  for (const auto& child : children_) child->process.end(0.0);
+}
+
+void SideLaunch::supervise() {
+  for (const auto& child : children_) {
+    if (!silent_) child->tail.forward();
+    const auto status = child->process.poll();
+    if (status && status->code != 0) {
+      throw Error(kind_of(*status),
+                  fmt::format("{} ended: {}", child->process.name(), status->text()));
+    }
+  }
+}
+
+bool SideLaunch::started(wire::Process side) const {
+  return std::any_of(children_.begin(), children_.end(),
+                     [side](const auto& child) { return child->side == side; });
+}
+
+std::optional<ExitStatus> SideLaunch::ended(wire::Process side) {
+  for (const auto& child : children_) {
+    if (child->side == side) return child->process.poll();
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> SideLaunch::end_all(double patience_s) {
+  std::vector<std::string> phrases;
+  const double deadline_s = now_s() + patience_s;
+  for (const auto& child : children_) {
+    const bool in_time = child->process.poll().has_value() || deadline_s > now_s();
+    const ExitStatus status = child->process.end(in_time ? deadline_s - now_s() : 0.0);
+    if (!silent_) child->tail.forward();
+    if (status.code != 0) {
+      phrases.push_back(fmt::format("{}: {}; see {}", child->process.name(), status.text(),
+                                    child->process.log().string()));
+    }
+  }
+  return phrases;
+}
+
+}  // namespace tandem::orchestrator

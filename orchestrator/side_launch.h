@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "orchestrator/child_process.h"
+#include "orchestrator/log_tail.h"
+#include "orchestrator/run_directory.h"
+#include "protocol/wire/seal.h"
+
+namespace tandem::orchestrator {
+
+/// The side processes of a run that this process started, and what became of them.
+class SideLaunch {
+ public:
+  /// Starts the given sides; with `attach`, prints the commands to start them by hand instead.
+  SideLaunch(const std::vector<wire::Process>& sides, const RunDirectory& directory,
+             std::uint64_t run_id, int port, bool attach, bool silent);
+  ~SideLaunch();
+
+  /// Forwards new log lines; throws a tandem::Error when a process has ended with a failure.
+  void supervise();
+
+  /// Whether this object started the side (with attach it did not).
+  [[nodiscard]] bool started(wire::Process side) const;
+
+  /// Exit status of a side that was started here and has ended.
+  [[nodiscard]] std::optional<ExitStatus> ended(wire::Process side);
+
+  /// Waits for all to end, at most `patience_s`, then kills. Returns one phrase per process that
+  /// did not end with 0, e.g. "tandem-fem: killed by signal 9 (Killed); see …/fem.log".
+  std::vector<std::string> end_all(double patience_s);
+
+ private:
+  struct Child {
+    wire::Process side;
+    ChildProcess process;
+    LogTail tail;
+  };
+  std::vector<std::unique_ptr<Child>> children_;
+  bool silent_;
+};
+
+}  // namespace tandem::orchestrator
