@@ -33,7 +33,7 @@ struct Bus::State {
     return prefix + text_of(topic) + "_" + text_of(kind);
   }
   void send(const std::string& channel, const Bytes& message);
-  void handle(const Datagram& datagram);
+  void handle(const Datagram& incoming);
   void handle_chunk(const Header& header, std::string_view channel, ByteView message);
   void dispatch(const Header& header, std::string_view channel, ByteView message);
 
@@ -44,6 +44,7 @@ struct Bus::State {
   std::map<std::string, Handler, std::less<>> handlers;
   Assembler assembler;
   BusCounts counts;
+  Datagram datagram;  // the one being handled
   double arrival_s = 0.0;
   std::array<std::int64_t, kProcesses> heard{};
   std::atomic<std::int64_t> messages_out{0}, bytes_out{0}, send_errors{0};
@@ -74,8 +75,12 @@ void Bus::self_test() {
   const auto nonce = static_cast<std::int64_t>(random_run_id() >> 1U);
   bool heard = false;
   const Subscription subscription =
-      subscribe(state_->options.self, Kind::SelfTest,
-                [&](const Header& header, ByteView) { heard = heard || header.sequence == nonce; });
+      subscribe(state_->options.self, Kind::SelfTest, [&](const Header& header, ByteView) {
+        if (header.sequence != nonce || heard) return;
+        heard = true;
+        const Datagram& own = state_->datagram;
+        state_->socket.ignore_sender(own.from_address, own.from_port);
+      });
   const double end_s = now_s() + state_->options.self_test_s;
   double send_s = 0.0;
   while (!heard) {
@@ -150,22 +155,21 @@ Subscription Bus::subscribe(Process topic, Kind kind, Handler handler) {
 }
 
 bool Bus::pump(double timeout_s) {
-  Datagram datagram;
-  if (!state_->socket.receive(timeout_s, datagram)) return false;
+  if (!state_->socket.receive(timeout_s, state_->datagram)) return false;
   state_->arrival_s = now_s();
   state_->counts.dropped = state_->socket.dropped();
-  state_->handle(datagram);
+  state_->handle(state_->datagram);
   return true;
 }
 
-void Bus::State::handle(const Datagram& datagram) {
-  if (!datagram.channel.starts_with(prefix)) {
+void Bus::State::handle(const Datagram& incoming) {
+  if (!incoming.channel.starts_with(prefix)) {
     ++counts.foreign;
     return;
   }
-  const bool chunk = datagram.channel.ends_with("_chunk");
-  if (!chunk && handlers.find(datagram.channel) == handlers.end()) return;  // not for this process
-  const auto header = open_seal(datagram.payload);
+  const bool chunk = incoming.channel.ends_with("_chunk");
+  if (!chunk && handlers.find(incoming.channel) == handlers.end()) return;  // not for this process
+  const auto header = open_seal(incoming.payload);
   if (!header) {
     ++counts.damaged;
     return;
@@ -176,9 +180,9 @@ void Bus::State::handle(const Datagram& datagram) {
     return;
   }
   if (chunk) {
-    handle_chunk(*header, datagram.channel, datagram.payload);
+    handle_chunk(*header, incoming.channel, incoming.payload);
   } else {
-    dispatch(*header, datagram.channel, datagram.payload);
+    dispatch(*header, incoming.channel, incoming.payload);
   }
 }
 

@@ -2,12 +2,14 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
+#include <linux/filter.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -95,12 +97,32 @@ void MulticastSocket::open(int port, int receive_buffer_bytes) {
   set_option(fd_, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof(off), "IP_MULTICAST_ALL");
 }
 
+void MulticastSocket::ignore_sender(std::uint32_t address, std::uint16_t port) {
+  constexpr std::uint32_t kWord = BPF_LD | BPF_W | BPF_ABS;
+  constexpr std::uint32_t kHalf = BPF_LD | BPF_H | BPF_ABS;
+  constexpr std::uint32_t kEqual = BPF_JMP | BPF_JEQ | BPF_K;
+  constexpr std::uint32_t kReturn = BPF_RET | BPF_K;
+  // The IP source address is at byte 12 of the network header, the UDP source port at byte 0.
+  constexpr auto kSourceAddress = static_cast<std::uint32_t>(SKF_NET_OFF) + 12U;
+  std::array<sock_filter, 6> steps{{{kWord, 0, 0, kSourceAddress},
+                                    {kEqual, 0, 3, address},
+                                    {kHalf, 0, 0, 0},
+                                    {kEqual, 0, 1, port},
+                                    {kReturn, 0, 0, 0},
+                                    {kReturn, 0, 0, 0xffffffffU}}};
+  const sock_fprog program{static_cast<unsigned short>(steps.size()), steps.data()};
+  set_option(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program), "SO_ATTACH_FILTER");
+}
+
 bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
   const double deadline_s = now_s() + timeout_s;
   alignas(cmsghdr) char control[CMSG_SPACE(sizeof(std::uint32_t))];
   iovec part{buffer_.data(), buffer_.size()};
   while (true) {
+    sockaddr_in from{};
     msghdr message{};
+    message.msg_name = &from;
+    message.msg_namelen = sizeof(from);
     message.msg_iov = &part;
     message.msg_iovlen = 1;
     message.msg_control = control;
@@ -114,6 +136,8 @@ bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
         dropped_ = dropped;
       }
       datagram = {};
+      datagram.from_address = ntohl(from.sin_addr.s_addr);
+      datagram.from_port = ntohs(from.sin_port);
       const ByteView bytes(buffer_.data(), static_cast<std::size_t>(size));
       const bool small_message = bytes.size() > 9 && std::memcmp(bytes.data(), "LC02", 4) == 0;
       if (!small_message) return true;

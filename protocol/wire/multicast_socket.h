@@ -14,6 +14,8 @@ inline constexpr const char* kGroup = "239.255.76.67";
 struct Datagram {
   std::string_view channel;
   ByteView payload;
+  std::uint32_t from_address = 0;  ///< IPv4 address of the sender, host byte order
+  std::uint16_t from_port = 0;
 };
 
 /// Receiving end of LCM's UDP multicast: a socket bound to the group and one port that reads LCM's
@@ -34,6 +36,10 @@ class MulticastSocket {
   /// Waits up to `timeout_s` for a datagram. Returns false when none came. A datagram that is not
   /// an LCM message yields an empty channel.
   bool receive(double timeout_s, Datagram& datagram);
+
+  /// Lets the kernel drop what comes from this sender: multicast also returns our own messages,
+  /// and each one would wake us for nothing.
+  void ignore_sender(std::uint32_t address, std::uint16_t port);
 
   [[nodiscard]] int receive_buffer_bytes() const { return granted_bytes_; }
 

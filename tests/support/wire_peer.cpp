@@ -130,9 +130,9 @@ void run_mbs(const Arguments& arguments) {
     } else if (arguments.integer("window", 0) > 0) {
       drive_journaled(arguments, bus, monitor, fem);
     } else {
-      std::cout << "hash="
-                << test::drive(fem, arguments.integer("steps", 100), arguments.integer("k", 3))
-                << "\n";
+      const auto hash =
+          test::drive(fem, arguments.integer("steps", 100), arguments.integer("k", 3));
+      std::cout << "hash=" << hash << "\n";
     }
     fem.close();
     const CallCost& cost = fem.total_cost();

@@ -1,0 +1,346 @@
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <limits>
+#include <random>
+
+#include "protocol/wire/chunks.h"
+#include "protocol/wire/messages.h"
+#include "tests/support/wire_mock_sides.h"
+
+namespace tandem::wire {
+namespace {
+
+// Values that a careless conversion changes: NaNs with payloads (quiet and signalling), −0.0,
+// denormals, infinities.
+const std::vector<std::uint64_t> kOddBits{0x7ff8000000000123ULL, 0xfff0000000000001ULL,
+                                          0x8000000000000000ULL, 0x0000000000000001ULL,
+                                          0x7ff0000000000000ULL, 0x3ff0000000000001ULL};
+
+MotionSet odd_motions() {
+  MotionSet motions(2);
+  std::size_t next = 0;
+  for (Motion& motion : motions) {
+    for (double* x : {motion.p_WP.data(), motion.q_WP.coeffs().data(), motion.v_WP.data(),
+                      motion.w_WP.data()}) {
+      for (int i = 0; i < (x == motion.q_WP.coeffs().data() ? 4 : 3); ++i) {
+        x[i] = std::bit_cast<double>(kOddBits[next++ % kOddBits.size()]);
+      }
+    }
+  }
+  return motions;
+}
+
+WrenchSet odd_wrenches() {
+  WrenchSet wrenches(3);
+  std::size_t next = 2;
+  for (Wrench& wrench : wrenches) {
+    for (int i = 0; i < 3; ++i) {
+      wrench.f_P_W[i] = std::bit_cast<double>(kOddBits[next++ % kOddBits.size()]);
+      wrench.t_P_W[i] = std::bit_cast<double>(kOddBits[next++ % kOddBits.size()]);
+    }
+  }
+  return wrenches;
+}
+
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+bool same_bits(const double* a, const double* b, Eigen::Index n) {
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!same_bits(a[i], b[i])) return false;
+  }
+  return true;
+}
+bool same_bits(const MotionSet& a, const MotionSet& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!same_bits(a[i].p_WP.data(), b[i].p_WP.data(), 3) ||
+        !same_bits(a[i].q_WP.coeffs().data(), b[i].q_WP.coeffs().data(), 4) ||
+        !same_bits(a[i].v_WP.data(), b[i].v_WP.data(), 3) ||
+        !same_bits(a[i].w_WP.data(), b[i].w_WP.data(), 3)) {
+      return false;
+    }
+  }
+  return true;
+}
+bool same_bits(const WrenchSet& a, const WrenchSet& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (!same_bits(a[i].f_P_W.data(), b[i].f_P_W.data(), 3) ||
+        !same_bits(a[i].t_P_W.data(), b[i].t_P_W.data(), 3)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+Header some_header(Kind kind) {
+  return {.run_id = 0xfedcba9876543210ULL,
+          .sequence = 42,
+          .macro_step = 7,
+          .iteration = 3,
+          .kind = kind,
+          .sender = Process::Fem,
+          .time_us = 1234567890123};
+}
+
+TEST(WireMessages, RequestCrossesBitForBit) {
+  Request request;
+  request.header = some_header(Kind::Request);
+  request.call = RequestKind::Advance;
+  request.checkpoint_first = true;
+  request.linearize = true;
+  request.step = SimTime(std::numeric_limits<std::int64_t>::max());
+  request.motions = {odd_motions(), test::some_motions(2, 0.1)};
+  request.wrenches = {odd_wrenches(), odd_wrenches()};
+  const auto back = decode_request(encode(request));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->header.run_id, request.header.run_id);
+  EXPECT_EQ(back->header.sequence, 42);
+  EXPECT_EQ(back->call, RequestKind::Advance);
+  EXPECT_TRUE(back->checkpoint_first);
+  EXPECT_FALSE(back->rollback_first);
+  EXPECT_TRUE(back->linearize);
+  EXPECT_EQ(back->step, request.step);
+  EXPECT_TRUE(same_bits(back->motions.begin, request.motions.begin));
+  EXPECT_TRUE(same_bits(back->motions.end, request.motions.end));
+  EXPECT_TRUE(same_bits(back->wrenches.begin, request.wrenches.begin));
+  EXPECT_TRUE(same_bits(back->wrenches.end, request.wrenches.end));
+}
+
+Reply some_reply() {
+  Reply reply;
+  reply.header = some_header(Kind::Reply);
+  reply.cost = {0.1, 0.2, 0.3, 0.4};
+  reply.duplicates = 5;
+  reply.outcome = Outcome::NotConverged;
+  reply.error = ErrorKind::NotSolved;
+  reply.message = "‖r‖ = 3.1e-2 N";
+  reply.solver_iterations = 12;
+  reply.jacobian = Eigen::MatrixXd::Random(18, 36);
+  (*reply.jacobian)(3, 4) = std::bit_cast<double>(kOddBits[1]);
+  reply.observation = {SimTime(9), {1.0, -0.0, 3.0, 4.0}, 0x8000000000000001ULL};
+  reply.motions = odd_motions();
+  reply.wrenches = odd_wrenches();
+  return reply;
+}
+
+TEST(WireMessages, ReplyCrossesBitForBit) {
+  const Reply reply = some_reply();
+  Bytes bytes = encode(reply);
+  patch_double(bytes, kReplyEncodeAt, 0.75);  // the place that the server fills in afterwards
+  const auto back = decode_reply(bytes);
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->cost.compute_s, 0.1);
+  EXPECT_EQ(back->cost.decode_s, 0.2);
+  EXPECT_EQ(back->cost.encode_s, 0.75);
+  EXPECT_EQ(back->cost.publish_s, 0.4);
+  EXPECT_EQ(back->duplicates, 5);
+  EXPECT_EQ(back->outcome, Outcome::NotConverged);
+  EXPECT_EQ(back->error, ErrorKind::NotSolved);
+  EXPECT_EQ(back->message, reply.message);
+  EXPECT_EQ(back->solver_iterations, 12);
+  ASSERT_TRUE(back->jacobian.has_value());
+  ASSERT_EQ(back->jacobian->rows(), 18);
+  ASSERT_EQ(back->jacobian->cols(), 36);
+  EXPECT_TRUE(same_bits(back->jacobian->data(), reply.jacobian->data(), 18 * 36));
+  EXPECT_EQ(back->observation.time, SimTime(9));
+  EXPECT_TRUE(same_bits(back->observation.energy.potential_J, -0.0));
+  EXPECT_EQ(back->observation.state_hash, 0x8000000000000001ULL);
+  EXPECT_TRUE(same_bits(back->motions, reply.motions));
+  EXPECT_TRUE(same_bits(back->wrenches, reply.wrenches));
+}
+
+TEST(WireMessages, NoJacobianIsNotAnEmptyJacobian) {
+  Reply reply;
+  EXPECT_FALSE(decode_reply(encode(reply))->jacobian.has_value());
+  reply.jacobian = Eigen::MatrixXd(0, 0);
+  EXPECT_TRUE(decode_reply(encode(reply))->jacobian.has_value());
+}
+
+TEST(WireMessages, HandshakeKeepsPortTable) {
+  Handshake handshake;
+  handshake.header = some_header(Kind::Welcome);
+  handshake.tandem_version = "0.1.0";
+  handshake.scenario_hash = 0xffffffffffffffffULL;
+  handshake.ports = {{"base", 0.25}, {"eye", -0.0}};
+  handshake.micro_step = SimTime(500000);
+  handshake.can_linearize = true;
+  const auto back = decode_handshake(encode(handshake));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->tandem_version, "0.1.0");
+  EXPECT_EQ(back->scenario_hash, handshake.scenario_hash);
+  ASSERT_EQ(back->ports.size(), 2U);
+  EXPECT_EQ(back->ports[1].name, "eye");
+  EXPECT_TRUE(same_bits(back->ports[1].length_m, -0.0));
+  EXPECT_EQ(back->micro_step, SimTime(500000));
+  EXPECT_TRUE(back->can_linearize);
+}
+
+StepJournal some_journal() {
+  StepJournal journal;
+  journal.step.macro_step = 7;
+  journal.step.time = SimTime(7000000);
+  journal.step.step = SimTime(1000000);
+  journal.step.iterations = 2;
+  journal.step.residual_N = -0.0;
+  journal.step.energy_defect_J = std::bit_cast<double>(kOddBits[0]);
+  journal.step.outcome = Outcome::NotConverged;
+  Ledger& ledger = journal.step.ledger;
+  double value = 0.5;
+  for (double* column :
+       {&ledger.mbs_compute_s, &ledger.fem_compute_s, &ledger.encode_s, &ledger.decode_s,
+        &ledger.publish_s, &ledger.transit_s, &ledger.wait_s, &ledger.scheme_s, &ledger.record_s,
+        &ledger.other_s, &ledger.discarded_s}) {
+    *column = (value += 1.0);
+  }
+  std::int64_t number = 10;
+  for (std::int64_t* column :
+       {&ledger.messages, &ledger.bytes, &ledger.resent, &ledger.duplicates, &ledger.lost}) {
+    *column = ++number;
+  }
+  CallRecord fem;
+  fem.side = SideName::Fem;
+  fem.kind = CallKind::Advance;
+  fem.rollback_first = true;
+  fem.accepted = true;
+  fem.macro_step = 7;
+  fem.iteration = 2;
+  fem.step = SimTime(1000000);
+  fem.motions = {odd_motions(), odd_motions()};
+  fem.wrenches.end = odd_wrenches();
+  fem.outcome = Outcome::NotConverged;
+  fem.message = "60 iterations";
+  fem.solver_iterations = 60;
+  CallRecord mbs;
+  mbs.checkpoint_first = true;
+  mbs.macro_step = 7;
+  mbs.wrenches = {odd_wrenches(), odd_wrenches()};
+  mbs.motions.end = odd_motions();
+  journal.calls = {mbs, fem};
+  return journal;
+}
+
+TEST(WireMessages, JournalKeepsEveryFieldOfCallsAndStep) {
+  const StepJournal journal = some_journal();
+  const auto back = decode_journal(encode(some_header(Kind::Journal), journal));
+  ASSERT_TRUE(back.has_value());
+  ASSERT_EQ(back->calls.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const CallRecord& a = journal.calls[i];
+    const CallRecord& b = back->calls[i];
+    EXPECT_EQ(a.side, b.side);
+    EXPECT_EQ(a.kind, b.kind);
+    EXPECT_EQ(a.rollback_first, b.rollback_first);
+    EXPECT_EQ(a.checkpoint_first, b.checkpoint_first);
+    EXPECT_EQ(a.linearize, b.linearize);
+    EXPECT_EQ(a.accepted, b.accepted);
+    EXPECT_EQ(a.macro_step, b.macro_step);
+    EXPECT_EQ(a.iteration, b.iteration);
+    EXPECT_EQ(a.step, b.step);
+    EXPECT_TRUE(same_bits(a.wrenches.begin, b.wrenches.begin));
+    EXPECT_TRUE(same_bits(a.wrenches.end, b.wrenches.end));
+    EXPECT_TRUE(same_bits(a.motions.begin, b.motions.begin));
+    EXPECT_TRUE(same_bits(a.motions.end, b.motions.end));
+    EXPECT_EQ(a.outcome, b.outcome);
+    EXPECT_EQ(a.message, b.message);
+    EXPECT_EQ(a.solver_iterations, b.solver_iterations);
+  }
+  // A second encoding gives the same bytes: no field of the step record is lost on the way.
+  EXPECT_EQ(encode(some_header(Kind::Step), journal.step),
+            encode(some_header(Kind::Step), back->step));
+  EXPECT_EQ(back->step.ledger.lost, 15);
+  EXPECT_EQ(back->step.ledger.discarded_s, 11.5);
+}
+
+TEST(WireMessages, EveryFlippedBitBreaksTheSeal) {
+  Bytes bytes = encode(some_reply());
+  seal(bytes, 2);
+  ASSERT_TRUE(open_seal(bytes).has_value());
+  EXPECT_EQ(open_seal(bytes)->attempt, 2);
+  for (std::size_t at = 0; at < bytes.size(); ++at) {
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      bytes[at] ^= static_cast<std::uint8_t>(1U << bit);
+      EXPECT_FALSE(open_seal(bytes).has_value()) << at;
+      bytes[at] ^= static_cast<std::uint8_t>(1U << bit);
+    }
+  }
+}
+
+TEST(WireMessages, EveryShorterMessageIsRefused) {
+  const Bytes bytes = encode(some_reply());
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const Bytes cut_short(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_FALSE(decode_reply(cut_short).has_value()) << size;
+  }
+}
+
+// The counts stand directly behind the header; 0x7fffffff motions would ask for 223 GB.
+TEST(WireMessages, HugeAndNegativeCountsAreRefusedBeforeMemoryIsTaken) {
+  const Bytes good = encode(some_reply());
+  for (std::size_t field = 0; field < 4; ++field) {
+    for (const std::uint32_t count : {0x7fffffffU, 0xffffffffU, 0x80000000U, 0x00ffffffU}) {
+      Bytes bad = good;
+      for (std::size_t i = 0; i < 4; ++i) {
+        bad[kHeaderEnd + 4 * field + i] = static_cast<std::uint8_t>(count >> (24 - 8 * i));
+      }
+      EXPECT_FALSE(decode_reply(bad).has_value());
+    }
+  }
+}
+
+TEST(WireMessages, AnotherMessageTypeIsRefused) {
+  EXPECT_FALSE(decode_request(encode(some_reply())).has_value());
+  EXPECT_FALSE(decode_credit(encode(Alive{some_header(Kind::Alive), 1, ""})).has_value());
+}
+
+TEST(WireChunks, ReassembleInAnyOrderWithRepetitions) {
+  StepJournal journal = some_journal();
+  journal.calls.resize(400, journal.calls.front());
+  Bytes message = encode(some_header(Kind::Journal), journal);
+  seal(message);
+  std::vector<Bytes> parts = cut(message);
+  for (const Bytes& part : cut(message, 1)) parts.push_back(part);
+  ASSERT_GE(parts.size(), 8U);
+  std::mt19937 random(11);
+  for (int repetition = 0; repetition < 20; ++repetition) {
+    std::shuffle(parts.begin(), parts.end(), random);
+    Assembler assembler;
+    int completed = 0;
+    for (const Bytes& part : parts) {
+      ASSERT_LE(part.size(), kMaxWhole);
+      ASSERT_TRUE(open_seal(part).has_value());
+      if (const auto whole = assembler.add(*decode_chunk(part))) {
+        ++completed;
+        EXPECT_EQ(*whole, message);
+      }
+    }
+    EXPECT_GE(completed, 1);
+  }
+}
+
+TEST(WireChunks, IllFittingChunksAreRefused) {
+  Bytes message = encode(some_header(Kind::Journal), some_journal());
+  message.resize(130000);
+  seal(message);
+  const Chunk good = *decode_chunk(cut(message)[1]);
+  const auto refused = [](const Chunk& chunk) {
+    Assembler assembler;
+    return !assembler.add(chunk).has_value();
+  };
+  Chunk bad = good;
+  bad.whole_bytes = std::numeric_limits<std::int32_t>::max();
+  EXPECT_TRUE(refused(bad));
+  for (const std::int32_t index : {-1, 3, std::numeric_limits<std::int32_t>::max()}) {
+    bad = good;
+    bad.index = index;
+    EXPECT_TRUE(refused(bad));
+  }
+  bad = good;
+  bad.bytes.pop_back();
+  EXPECT_TRUE(refused(bad));
+}
+
+}  // namespace
+}  // namespace tandem::wire
