@@ -198,9 +198,23 @@ struct OdeWorld::Impl {
   std::vector<int> motor_axes;                   // 0 = no motor
   std::vector<dJointFeedback> feedbacks;         // ODE writes into these
   std::vector<std::array<int, 2>> joint_bodies;  // −1 = world
+  bool broken = false;                           // ODE was left in the middle of a step
 };
 
-OdeWorld::OdeWorld(const Params& params) : impl_(std::make_unique<Impl>()) {
+// ODE asserts that its queues are empty when a world is destroyed, which they are not after a
+// fault: such a world is kept until the process ends. Faults end runs, so there are never many.
+void OdeWorld::Retire::operator()(Impl* impl) const {
+  if (!impl->broken) {
+    delete impl;
+    return;
+  }
+  static std::mutex mutex;
+  static auto* const kept = new std::vector<Impl*>;  // never destroyed, always reachable
+  const std::lock_guard lock(mutex);
+  kept->push_back(impl);
+}
+
+OdeWorld::OdeWorld(const Params& params) : impl_(new Impl) {
   Impl& impl = *impl_;
   impl.world.reset(dWorldCreate());
   dWorldID world = impl.world.get();
@@ -253,7 +267,10 @@ void OdeWorld::step(double h_s, const std::vector<BodyWrench>& applied) {
     dBodySetTorque(impl_->bodies[i], t.x(), t.y(), t.z());
   }
   last_message.clear();
-  if (dWorldStep(impl_->world.get(), h_s) == 0) throw OdeFault("ODE ran out of memory");
+  impl_->broken = true;  // until the step returns
+  const int stepped = dWorldStep(impl_->world.get(), h_s);
+  impl_->broken = false;
+  if (stepped == 0) throw OdeFault("ODE ran out of memory");
   if (!last_message.empty()) throw OdeFault("ODE: " + last_message);
 }
 

@@ -50,7 +50,10 @@ class OdeWorld {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  struct Retire {
+    void operator()(Impl* impl) const;
+  };
+  std::unique_ptr<Impl, Retire> impl_;
 };
 
 }  // namespace tandem::mbs

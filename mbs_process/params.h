@@ -91,7 +91,7 @@ struct SpringParams {
   Eigen::Vector3d p2_W = Eigen::Vector3d::Zero();  ///< m
   double stiffness_N_per_m = 0.0;
   double damping_N_s_per_m = 0.0;
-  std::optional<double> rest_length_m;  ///< none = the length at t = 0
+  std::optional<double> rest_length_m = std::nullopt;  ///< none = the length at t = 0
 };
 
 /// Spring-damper on the coordinate θ of a hinge or slider: effort on body1 = −k (θ − θ0) − c θ̇.

@@ -18,7 +18,8 @@ struct ProbeSizes {
 /// One step of ODE maps the wrench to the body's new twist by an affine function as long as no
 /// limit, motor saturation or LCP active set switches, so the twist derivative is exact but for the
 /// rounding ε |v| H / kProbeMotion. The pose is linear to h |w| kProbeMotion / 2 and rounded to
-/// ε |p| / kProbeMotion ≈ 1e-10 m per unit.
+/// ε |p| / kProbeMotion ≈ 1e-10 m per unit. Over several micro steps the twist, too, is linear to
+/// kProbeMotion only, as later steps start from poses and rates that the probe has changed.
 [[nodiscard]] ProbeSizes probe_sizes(const BodyParams& body, const Eigen::Vector3d& p_BP,
                                      double macro_step_s);
 

@@ -1,6 +1,10 @@
 # Tests of mbs, one executable a line.
+tandem_test(test_mbs
+  SOURCES unit/mbs_motion_test.cpp unit/mbs_params_test.cpp
+  LIBS mbs
+  LABELS unit)
 tandem_test(test_mbs_contract
-  SOURCES contract/mbs_rollback_test.cpp
+  SOURCES contract/mbs_jacobian_test.cpp contract/mbs_rollback_test.cpp
   LIBS mbs
   LABELS contract)
 tandem_test(test_mbs_convergence

@@ -1,0 +1,319 @@
+// The multibody side against laws of mechanics that its step obeys exactly or to a known order.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/mbs_mechanisms.h"
+
+namespace tandem::mbs::testing {
+namespace {
+
+const Eigen::Vector3d kZ = Eigen::Vector3d::UnitZ();
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+/// A wheel on a hinge along z through its centre, driven as told.
+Params driven_hinge(const MotorParams& motor, SimTime h = kMillisecond) {
+  Params params = params_with_step(h);
+  params.bodies = {body_at("wheel", 1.0, Eigen::Vector3d::Zero(), {0.1, 0.1, 0.2})};
+  JointParams hinge =
+      joint_between("axle", JointKind::Hinge, "wheel", kWorld, Eigen::Vector3d::Zero(), kZ);
+  hinge.motor = motor;
+  params.joints = {hinge};
+  params.ports = {port_on("port", "wheel")};
+  return params;
+}
+
+double angle_of(const RigidWorld& world) { return world.state().joint_coordinates[0][0]; }
+
+// z_n = −g h² n (n + 1) / 2: the exact sum of the semi-implicit Euler step.
+TEST(MbsMotion, FreeFallIsTheSumOfSemiImplicitEuler) {
+  Params params = params_with_step(kMillisecond);
+  params.gravity_m_per_s2 = {0.0, 0.0, -9.81};
+  params.bodies = {body_at("stone", 3.0, Eigen::Vector3d::Zero())};
+  RigidWorld world(params);
+  const int n = 1000;
+  run(world, kMillisecond, n);
+  const double z = -9.81 * 1e-6 * n * (n + 1) / 2;
+  // n additions, each rounded to half an ulp of at most |z|; ODE multiplies h m g by 1/m.
+  EXPECT_NEAR(world.state().bodies[0].p_WB.z(), z, n * kEpsilon * std::abs(z));
+  EXPECT_EQ(world.state().bodies[0].p_WB.x(), 0.0);
+}
+
+TEST(MbsMotion, OppositePortForcesKeepTheMomentumOfFreeBodies) {
+  Params params = params_with_step(kMillisecond);
+  BodyParams a = body_at("a", 2.0, {0.0, 0.0, 0.0});
+  BodyParams b = body_at("b", 3.0, {1.0, 0.5, 0.0});
+  a.v_WB = {1.0, 2.0, 3.0};
+  b.v_WB = {-2.0, 1.0, 0.0};
+  params.bodies = {a, b};
+  params.ports = {port_on("pa", "a"), port_at("pb", "b", {0.0, 0.0, 0.0})};
+  RigidWorld world(params);
+  const auto momentum = [&world] {
+    return Eigen::Vector3d(2.0 * world.state().bodies[0].v_WB + 3.0 * world.state().bodies[1].v_WB);
+  };
+  const Eigen::Vector3d before = momentum();
+  const int n = 1000;
+  for (int i = 0; i < n; ++i) {
+    WrenchSet wrenches(2);
+    wrenches[0].f_P_W = {100 * std::sin(0.1 * i), -30.0, 20.0 * i};
+    wrenches[1].f_P_W = -wrenches[0].f_P_W;
+    run(world, kMillisecond, 1, wrenches);
+  }
+  // The largest momentum reached is 1e4 N · 1 s; each step rounds it twice per body.
+  EXPECT_LT((momentum() - before).norm(), 4 * std::sqrt(n) * kEpsilon * 1e4);
+}
+
+// The wrench (f, t) at P is the wrench (f, t + r × f) at the centre.
+TEST(MbsMotion, WrenchAtAnOffsetPortEqualsForceAndTorqueAtTheCentre) {
+  Params params = params_with_step(kMillisecond);
+  BodyParams body = body_at("body", 2.0, {1.0, 2.0, 3.0}, {0.1, 0.2, 0.25});
+  body.q_WB = Eigen::AngleAxisd(1.0, Eigen::Vector3d(3.0, -1.0, 2.0).normalized());
+  params.bodies = {body};
+  params.ports = {port_on("centre", "body")};
+  const Eigen::Vector3d r(0.3, -0.2, 0.5);
+  RigidWorld at_centre(params);
+  params.ports = {port_at("offset", "body", body.p_WB + r)};
+  RigidWorld at_offset(params);
+  WrenchSet offset(1), centre(1);
+  offset[0].f_P_W = {10.0, 20.0, -5.0};
+  offset[0].t_P_W = {0.5, -0.3, 0.2};
+  centre[0].f_P_W = offset[0].f_P_W;
+  centre[0].t_P_W = offset[0].t_P_W + r.cross(offset[0].f_P_W);
+  run(at_centre, kMillisecond, 1, centre);
+  run(at_offset, kMillisecond, 1, offset);
+  const BodyState& a = at_centre.state().bodies[0];
+  const BodyState& b = at_offset.state().bodies[0];
+  EXPECT_EQ((a.v_WB - b.v_WB).norm(), 0.0);
+  EXPECT_LT((a.w_WB - b.w_WB).norm(), 16 * kEpsilon * a.w_WB.norm());
+}
+
+TEST(MbsMotion, PortsReportPoseAndTwistOfTheirFrame) {
+  Params params = params_with_step(kMillisecond);
+  BodyParams body = body_at("body", 1.0, {1.0, 0.0, 0.0});
+  body.v_WB = {0.0, 1.0, 0.0};
+  body.w_WB = {0.0, 0.0, 2.0};
+  body.q_WB = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY());
+  params.bodies = {body};
+  const Eigen::Quaterniond q_WP(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()));
+  params.ports = {port_at("port", "body", {1.0, 0.5, 0.25}, q_WP), port_on("frame", "body")};
+  RigidWorld world(params);
+  const MotionSet motions = world.initialize(WrenchSet(2));
+  EXPECT_LT((motions[0].p_WP - Eigen::Vector3d(1.0, 0.5, 0.25)).norm(), 4 * kEpsilon);
+  EXPECT_LT(motions[0].q_WP.angularDistance(q_WP), 1e-15);
+  // v + w × r = (0, 1, 0) + (0, 0, 2) × (0, 0.5, 0.25)
+  EXPECT_LT((motions[0].v_WP - Eigen::Vector3d(-1.0, 1.0, 0.0)).norm(), 8 * kEpsilon);
+  EXPECT_EQ(motions[0].w_WP, body.w_WB);
+  EXPECT_EQ(motions[1].p_WP, body.p_WB);
+  EXPECT_LT((motions[1].q_WP.coeffs() - body.q_WB.coeffs()).norm(), 4 * kEpsilon);
+}
+
+// n micro steps see the wrench at j/n: v⁺ = h/m Σ_j f(j/n), here f rises from 0 to F.
+TEST(MbsMotion, MicroStepsInterpolateTheWrench) {
+  Params params = params_with_step(4 * kMillisecond);
+  params.micro_step = kMillisecond;
+  params.bodies = {body_at("body", 2.0, Eigen::Vector3d::Zero())};
+  params.ports = {port_on("port", "body")};
+  RigidWorld world(params);
+  EXPECT_EQ(world.info().micro_step, kMillisecond);
+  WrenchSet begin(1), end(1);
+  end[0].f_P_W.x() = 8.0;
+  world.advance(step_of(4 * kMillisecond, begin, end));
+  EXPECT_NEAR(world.state().bodies[0].v_WB.x(), 1e-3 / 2.0 * 8.0 * (1 + 2 + 3 + 4) / 4.0, 1e-17);
+  EXPECT_EQ(world.state().time, 4 * kMillisecond);
+}
+
+// A wrench that a hinge cannot carry cannot move the wheel: the motor is rigid without cfm.
+TEST(MbsMotion, SpeedMotorsFollowEveryLawToRoundOff) {
+  const std::vector<Law> laws = {constant(3.0), Law(RampLaw{0.01, 0.05, 0.0, 10.0}),
+                                 Law(HarmonicLaw{1.0, 2.0, 5.0, 0.3}),
+                                 Law(TableLaw{{0.0, 0.02, 0.05, 0.08}, {0.0, 4.0, -3.0, 2.0}})};
+  for (const Law& law : laws) {
+    RigidWorld world(driven_hinge({.kind = MotorParams::Kind::Speed, .law = law}));
+    WrenchSet load(1);
+    load[0].t_P_W = {0.0, 0.0, 7.0};
+    double angle = 0.0;
+    for (int i = 1; i <= 100; ++i) {
+      run(world, kMillisecond, 1, load);
+      angle += 1e-3 * law(to_seconds(world.state().time));
+      // Speed: a few ulps of the 7 N·m load's 0.035 rad/s per step and of the speed of up to 10.
+      EXPECT_NEAR(world.state().bodies[0].w_WB.z(), law(to_seconds(world.state().time)), 1e-13);
+      EXPECT_NEAR(angle_of(world), angle, 1e-13);
+    }
+  }
+}
+
+// The rate is chosen so that the end of each step lies on the law: exact at every step.
+TEST(MbsMotion, PositionMotorsFollowEveryLawToRoundOff) {
+  const std::vector<Law> laws = {constant(3.0), Law(RampLaw{0.0, 0.1, 1.0, 9.0}),
+                                 Law(HarmonicLaw{1.0, 2.0, 5.0, 0.3}),
+                                 Law(TableLaw{{0.0, 0.02, 0.05, 0.08}, {0.0, 1.0, -8.0, 2.0}})};
+  for (const Law& law : laws) {
+    RigidWorld world(driven_hinge({.kind = MotorParams::Kind::Position, .law = law}));
+    WrenchSet load(1);
+    load[0].t_P_W = {0.0, 0.0, 7.0};
+    for (int i = 1; i <= 100; ++i) {
+      run(world, kMillisecond, 1, load);
+      // Angles of up to 9 rad go through more than one turn; the law's value at t = 0 is the pose.
+      const double t = to_seconds(world.state().time);
+      EXPECT_NEAR(angle_of(world), law(t) - law(0.0), 1e-13) << t;
+    }
+  }
+}
+
+// Drift decays by (1 − erp) per step: the joint's coordinate was disturbed by a yielding motor.
+TEST(MbsMotion, PositionMotorsReturnToTheLawByErp) {
+  Params params = driven_hinge(
+      {.kind = MotorParams::Kind::Position, .law = constant(0.0), .axis = 1, .max_effort = 1000.0});
+  params.erp = 0.25;
+  RigidWorld world(params);
+  WrenchSet push(1);
+  push[0].t_P_W.z() = 2000.0;  // 1000 N·m more than the motor holds: turned by h²·1000/0.2 = 5 mrad
+  run(world, kMillisecond, 1, push);
+  const double pushed = angle_of(world);
+  EXPECT_NEAR(pushed, 1e-6 * 1000.0 / 0.2, 1e-15);
+  run(world, kMillisecond, 10, WrenchSet(1));
+  // To stop 5 rad/s in one step takes 1000 N·m and a little more for the way back: one step later.
+  EXPECT_LT(std::abs(angle_of(world)), pushed * 1.5 * std::pow(0.75, 8));
+  EXPECT_GT(std::abs(angle_of(world)), pushed * 0.5 * std::pow(0.75, 10));
+}
+
+TEST(MbsMotion, LimitedMotorsSaturate) {
+  const double torque = 0.4;
+  RigidWorld world(driven_hinge(
+      {.kind = MotorParams::Kind::Speed, .law = constant(100.0), .axis = 1, .max_effort = torque}));
+  const int n = 100;
+  run(world, kMillisecond, n, WrenchSet(1));
+  // w = τ t / I, by n roundings
+  EXPECT_NEAR(world.state().bodies[0].w_WB.z(), torque * 0.1 / 0.2, n * kEpsilon);
+  // The motor's work is the kinetic energy, as nothing else acts: mid-point rule is exact.
+  const EnergyBook energy = world.observe().energy;
+  EXPECT_NEAR(energy.external_work_J, energy.kinetic_J, n * kEpsilon * energy.kinetic_J);
+}
+
+TEST(MbsMotion, LimitsStopAHingeAndASlider) {
+  for (const JointKind kind : {JointKind::Hinge, JointKind::Slider}) {
+    for (const double sign : {1.0, -1.0}) {
+      Params params = params_with_step(kMillisecond);
+      params.bodies = {body_at("body", 1.0, Eigen::Vector3d::Zero())};
+      JointParams joint = joint_between("joint", kind, "body", kWorld, Eigen::Vector3d::Zero(), kZ);
+      joint.limits = {{.axis = 1, .lower = -0.1, .upper = 0.1}};
+      params.joints = {joint};
+      params.ports = {port_on("port", "body")};
+      RigidWorld world(params);
+      WrenchSet push(1);
+      push[0].f_P_W.z() = push[0].t_P_W.z() = sign * 10.0;
+      double furthest = 0.0;
+      for (int i = 0; i < 1000; ++i) {
+        run(world, kMillisecond, 1, push);
+        furthest = std::max(furthest, std::abs(angle_of(world)));
+      }
+      // It arrives with √(2·10·0.1) = 1.41 and overshoots by less than one step of that speed;
+      // then it rests on the limit, which holds without cfm.
+      EXPECT_GT(furthest, 0.1);
+      EXPECT_LT(furthest, 0.1 + 1.42e-3);
+      EXPECT_NEAR(angle_of(world), sign * 0.1, 1e-4);
+    }
+  }
+}
+
+TEST(MbsMotion, AnglesOfUniversalAndHinge2CountBody1AgainstBody2) {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  for (const JointKind kind : {JointKind::Universal, JointKind::Hinge2}) {
+    for (const int axis : {1, 2}) {
+      Params params = params_with_step(kMillisecond);
+      params.bodies = {body_at("a", 1.0, Eigen::Vector3d::Zero()),
+                       body_at("b", 1.0, Eigen::Vector3d::Zero())};
+      JointParams joint = joint_between("joint", kind, "a", "b", Eigen::Vector3d::Zero(), kZ, x);
+      joint.motor =
+          MotorParams{.kind = MotorParams::Kind::Speed, .law = constant(2.0), .axis = axis};
+      params.joints = {joint};
+      RigidWorld world(params);
+      run(world, kMillisecond, 100);
+      // Equal bodies share the relative rate of 2 rad/s.
+      const Eigen::Vector3d expected = (axis == 1 ? kZ : x) * 1.0;
+      EXPECT_LT((world.state().bodies[0].w_WB - expected).norm(), 1e-12);
+      EXPECT_LT((world.state().bodies[1].w_WB + expected).norm(), 1e-12);
+      const auto which = static_cast<std::size_t>(axis - 1);
+      EXPECT_NEAR(world.state().joint_coordinates[0][which], 0.2, 1e-12);
+    }
+  }
+}
+
+TEST(MbsMotion, UniversalLimitsHoldBothAxes) {
+  Params params = params_with_step(kMillisecond);
+  params.bodies = {body_at("body", 1.0, Eigen::Vector3d::Zero())};
+  JointParams joint = joint_between("joint", JointKind::Universal, "body", kWorld,
+                                    Eigen::Vector3d::Zero(), kZ, Eigen::Vector3d::UnitX());
+  joint.limits = {{.axis = 1, .lower = -0.1, .upper = 0.2},
+                  {.axis = 2, .lower = -0.3, .upper = 0.1}};
+  params.joints = {joint};
+  params.ports = {port_on("port", "body")};
+  RigidWorld world(params);
+  WrenchSet push(1);
+  push[0].t_P_W = {-5.0, 0.0, 5.0};
+  run(world, kMillisecond, 2000, push);
+  EXPECT_NEAR(world.state().joint_coordinates[0][0], 0.2, 1e-3);
+  EXPECT_NEAR(world.state().joint_coordinates[0][1], -0.3, 1e-3);
+}
+
+// Δ(kinetic + potential) = external work, but for the first-order error of the step.
+TEST(MbsMotion, EnergyBalanceClosesWithFirstOrder) {
+  const auto imbalance = [](SimTime h) {
+    Params params = params_with_step(h);
+    params.gravity_m_per_s2 = {0.0, 0.0, -9.81};
+    params.bodies = {body_at("arm", 1.0, {0.3, 0.0, 0.0}, {0.01, 0.05, 0.05}),
+                     body_at("load", 2.0, {0.6, 0.0, -0.2}, {0.02, 0.02, 0.02})};
+    JointParams hinge = joint_between("shoulder", JointKind::Hinge, "arm", kWorld,
+                                      Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitY());
+    hinge.motor =
+        MotorParams{.kind = MotorParams::Kind::Speed, .law = Law(HarmonicLaw{0.0, 3.0, 1.0, 0.0})};
+    params.joints = {hinge,
+                     joint_between("wrist", JointKind::Ball, "load", "arm", {0.6, 0.0, 0.0})};
+    params.springs = {{.name = "spring",
+                       .body1 = "load",
+                       .body2 = kWorld,
+                       .p1_W = {0.6, 0.0, -0.3},
+                       .p2_W = {1.0, 0.5, 0.0},
+                       .stiffness_N_per_m = 50.0,
+                       .damping_N_s_per_m = 1.0}};
+    params.forces = {{.name = "wind",
+                      .body = "load",
+                      .p_BF = {0.0, 0.1, 0.0},
+                      .direction_W = {0.0, 1.0, 1.0},
+                      .law = Law(HarmonicLaw{1.0, 2.0, 2.0, 0.0})}};
+    RigidWorld world(params);
+    const double before = world.observe().energy.total_J();
+    run(world, h, static_cast<int>(std::lround(1.0 / to_seconds(h))));
+    const EnergyBook after = world.observe().energy;
+    EXPECT_GT(std::abs(after.external_work_J), 0.1);  // else the balance would say nothing
+    return std::abs(after.total_J() - before - after.external_work_J);
+  };
+  const double coarse = imbalance(kMillisecond);
+  const double fine = imbalance(kMillisecond / 8);
+  EXPECT_LT(coarse, 0.1);
+  EXPECT_NEAR(coarse / fine, 8.0, 2.0);
+}
+
+TEST(MbsMotion, ForceLawsActAlongTheirDirectionAtTheirPoint) {
+  Params params = params_with_step(kMillisecond);
+  params.bodies = {body_at("body", 2.0, Eigen::Vector3d::Zero(), {0.1, 0.2, 0.25})};
+  params.forces = {{.name = "pull",
+                    .body = "body",
+                    .p_BF = {0.5, 0.0, 0.0},
+                    .direction_W = {0.0, 10.0, 0.0},
+                    .law = constant(4.0)},
+                   {.name = "twist",
+                    .body = "body",
+                    .kind = ForceParams::Kind::Torque,
+                    .direction_W = {1.0, 0.0, 0.0},
+                    .law = constant(3.0)}};
+  RigidWorld world(params);
+  run(world, kMillisecond, 1);
+  const BodyState& body = world.state().bodies[0];
+  EXPECT_LT((body.v_WB - Eigen::Vector3d(0.0, 4.0e-3 / 2.0, 0.0)).norm(), 1e-17);
+  EXPECT_LT((body.w_WB - Eigen::Vector3d(3.0e-3 / 0.1, 0.0, 0.5 * 4.0e-3 / 0.25)).norm(), 1e-16);
+}
+
+}  // namespace
+}  // namespace tandem::mbs::testing
