@@ -1,6 +1,7 @@
 # Tests of protocol_wire, one executable a line.
 tandem_test(wire_messages SOURCES unit/wire_messages.cpp LIBS tandem_wire LABELS unit)
 tandem_test(wire_log SOURCES unit/wire_log.cpp LIBS tandem_wire lcm::lcm LABELS unit)
+tandem_test(wire_bytes SOURCES golden/wire_bytes.cpp LIBS tandem_wire LABELS golden)
 tandem_test(wire_journal SOURCES contract/wire_journal.cpp LIBS tandem_wire LABELS contract)
 tandem_test(wire_exchange SOURCES process/wire_exchange.cpp LIBS tandem_wire lcm::lcm LABELS process)
 tandem_test(wire_faults SOURCES process/wire_faults.cpp LIBS tandem_wire LABELS process)
