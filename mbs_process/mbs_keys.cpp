@@ -234,6 +234,7 @@ Key mbs_keys() {
       joint_springs_key(),
       forces_key(),
   };
+  mbs.check = [](const scenario::Node& node) { (void)read_mechanism(node); };
   return scenario::section("mbs", std::move(mbs)).must().doc_is("The multibody side.");
 }
 

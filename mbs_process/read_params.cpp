@@ -163,12 +163,9 @@ SimTime read_micro_step(const Node& mbs, SimTime macro_step) {
 
 }  // namespace
 
-Params read_params(const Node& root) {
-  const Node mbs = root.section("mbs");
+Params read_mechanism(const Node& mbs) {
   Params params;
   params.gravity_m_per_s2 = mbs.vector3("gravity_m_per_s2");
-  params.macro_step = scenario::read_run(root).macro_step;
-  if (mbs.has("micro_step_s")) params.micro_step = read_micro_step(mbs, params.macro_step);
   params.erp = mbs.real("erp");
   params.cfm = mbs.real("cfm");
   for (const Node& node : mbs.list("bodies")) {
@@ -191,8 +188,16 @@ Params read_params(const Node& root) {
     params.forces.push_back(read_force(node));
     refuse(node, find_defect(params.forces.back(), params));
   }
-  const std::vector<Node> ports = root.list("ports");
+  return params;
+}
+
+Params read_params(const Node& root) {
+  const Node mbs = root.section("mbs");
+  Params params = read_mechanism(mbs);
+  params.macro_step = scenario::read_run(root).macro_step;
+  if (mbs.has("micro_step_s")) params.micro_step = read_micro_step(mbs, params.macro_step);
   params.ports = scenario::read_ports(root);
+  const std::vector<Node> ports = root.list("ports");
   for (std::size_t i = 0; i < ports.size(); ++i) {
     refuse(ports[i], find_defect(params.ports[i], params));
   }
