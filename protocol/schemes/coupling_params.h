@@ -20,8 +20,8 @@ struct CouplingParams {
   std::int32_t max_iterations = 50;
   /// Converged when ‖r‖ ≤ tolerance_N + relative_tolerance · ‖λ‖ with r = Λ(M(λ)) − λ and torques
   /// scaled by the port lengths.
-  double tolerance_N = 1e-8;
-  double relative_tolerance = 1e-10;
+  double tolerance_N = 1e-11;
+  double relative_tolerance = 1e-12;
   Relaxation relaxation = Relaxation::Aitken;
   double relaxation_factor = 0.5;  ///< constant factor, or Aitken's first one
   OnNotConverged on_not_converged = OnNotConverged::Stop;
