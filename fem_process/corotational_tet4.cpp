@@ -42,9 +42,14 @@ void add_rotated(const Tet4& element, const Eigen::Matrix3d& R, BlockValues& K) 
   for (int i = 0; i < 4; ++i) {
     for (int j = i; j < 4; ++j) {
       const Eigen::Matrix3d rotated = R * element.K.block<3, 3>(3 * i, 3 * j) * R.transpose();
-      block(K, element.blocks[static_cast<std::size_t>(4 * i + j)]) += rotated;
-      if (j > i) {
-        block(K, element.blocks[static_cast<std::size_t>(4 * j + i)]) += rotated.transpose();
+      const auto upper = static_cast<std::size_t>(4 * i + j);
+      const auto lower = static_cast<std::size_t>(4 * j + i);
+      if (i == j) {
+        // Symmetric but for round-off: made so exactly.
+        block(K, element.blocks[upper]) += 0.5 * (rotated + rotated.transpose());
+      } else {
+        block(K, element.blocks[upper]) += rotated;
+        block(K, element.blocks[lower]) += rotated.transpose();
       }
     }
   }

@@ -1,5 +1,8 @@
 # Tests of fem, one executable a line.
 tandem_test(fem_unit
-  SOURCES unit/fem_interface_jacobian.cpp unit/fem_momentum.cpp
+  SOURCES unit/fem_element.cpp unit/fem_interface_jacobian.cpp unit/fem_mesh.cpp
+    unit/fem_momentum.cpp
   LIBS fem LABELS unit)
 tandem_test(fem_contract SOURCES contract/fem_contract.cpp LIBS fem LABELS contract)
+tandem_test(fem_reference SOURCES reference/fem_reference.cpp LIBS fem LABELS reference)
+tandem_test(fem_convergence SOURCES convergence/fem_order.cpp LIBS fem LABELS convergence)

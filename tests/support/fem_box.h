@@ -1,0 +1,62 @@
+#pragma once
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace tandem::fem::testing {
+
+/// Writes `text` to a file of its own in the temporary folder and returns the path.
+inline std::filesystem::path temporary_file(const std::string& name, const std::string& text) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("tandem_fem_test_" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / name, std::ios::binary) << text;
+  return folder / name;
+}
+
+/// Abaqus text of n unit cubes in a row along x, six tets each (Kuhn's division, conforming). Node
+/// sets LEFT (x = 0), RIGHT (x = n), surface END (x = n), element set ALL.
+inline std::string box_inp(int n) {
+  const auto tag = [](int x, int y, int z) { return 1 + 4 * x + 2 * y + z; };
+  std::string nodes = "*NODE\n";
+  for (int x = 0; x <= n; ++x) {
+    for (int y = 0; y < 2; ++y) {
+      for (int z = 0; z < 2; ++z) {
+        nodes += std::to_string(tag(x, y, z)) + ", " + std::to_string(x) + ", " +
+                 std::to_string(y) + ", " + std::to_string(z) + "\n";
+      }
+    }
+  }
+  std::string tets = "*ELEMENT, TYPE=C3D4, ELSET=ALL\n";
+  std::string faces;
+  int element = 0;
+  for (int x = 0; x < n; ++x) {
+    std::array<int, 3> axes{0, 1, 2};
+    do {
+      std::array<int, 3> at{x, 0, 0};
+      std::array<int, 4> corner{tag(at[0], at[1], at[2]), 0, 0, 0};
+      for (std::size_t k = 0; k < 3; ++k) {
+        ++at[static_cast<std::size_t>(axes[k])];
+        corner[k + 1] = tag(at[0], at[1], at[2]);
+      }
+      const bool odd = (axes[0] > axes[1]) ^ (axes[0] > axes[2]) ^ (axes[1] > axes[2]);
+      // Stepping along x first leaves corners 2, 3, 4 on the far face: S3 before a swap.
+      if (odd) std::swap(corner[1], corner[2]);
+      ++element;
+      tets += std::to_string(element);
+      for (int c : corner) tets += ", " + std::to_string(c);
+      tets += "\n";
+      if (x == n - 1 && axes[0] == 0) faces += std::to_string(element) + ", S3\n";
+    } while (std::next_permutation(axes.begin(), axes.end()));
+  }
+  return nodes + tets + "*NSET, NSET=LEFT, GENERATE\n1, 4\n*NSET, NSET=RIGHT, GENERATE\n" +
+         std::to_string(4 * n + 1) + ", " + std::to_string(4 * n + 4) +
+         "\n*SURFACE, NAME=END, TYPE=ELEMENT\n" + faces;
+}
+
+}  // namespace tandem::fem::testing
