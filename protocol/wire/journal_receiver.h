@@ -25,6 +25,8 @@ class JournalReceiver {
 
   /// `window` as in JournalSender: credit is given four times per window, and when nothing comes.
   JournalReceiver(Bus& bus, LivenessMonitor& monitor, int window);
+  JournalReceiver(const JournalReceiver&) = delete;
+  JournalReceiver& operator=(const JournalReceiver&) = delete;
 
   /// The next entry, waiting up to `timeout_s` for it. One entry is open until recorded().
   std::optional<Entry> next(double timeout_s);

@@ -15,6 +15,8 @@ namespace tandem::wire {
 class JournalSender {
  public:
   JournalSender(Bus& bus, LivenessMonitor& monitor, int window);
+  JournalSender(const JournalSender&) = delete;
+  JournalSender& operator=(const JournalSender&) = delete;
 
   /// Sends the journal of a macro step; blocks first while the window is used up. Returns the time
   /// blocked (s). Throws tandem::Error when the orchestrator is gone.

@@ -50,13 +50,16 @@ class LivenessMonitor {
  public:
   /// `parent_pid` > 0: also ends when that process is no longer our parent.
   LivenessMonitor(Bus& bus, std::vector<Process> partners, double timeout_s, int parent_pid = 0);
+  LivenessMonitor(const LivenessMonitor&) = delete;
+  LivenessMonitor& operator=(const LivenessMonitor&) = delete;
 
   /// Pumps the bus once, for at most `seconds`; true when something arrived. Throws tandem::Error
   /// when a partner is silent for longer than the time-out (ErrorKind::Partner), or has said that
   /// it failed (kind by its exit code).
   bool wait(double seconds);
 
-  /// Ends watching one partner: it has said that it is done.
+  /// Ends watching one partner: it has said that it is done, or its process has ended with exit
+  /// code 0. The orchestrator calls this for each child that has left in peace.
   void release(Process partner);
 
   /// For the error text.

@@ -147,7 +147,9 @@ Reply RemoteLink::call(Request& request, CallCost& cost) {
   cost += mine;
   total_ += mine;
   if (reply->error) {
-    throw Error(*reply->error, fmt::format("{}: {}", text_of(options_.side), reply->message));
+    const std::string name = std::string(text_of(options_.side)) + ": ";
+    const bool named = reply->message.starts_with(name);
+    throw Error(*reply->error, (named ? "" : name) + reply->message);
   }
   return std::move(*reply);
 }

@@ -24,6 +24,8 @@ struct RemoteOptions {
 class RemoteLink {
  public:
   RemoteLink(Bus& bus, LivenessMonitor& monitor, RemoteOptions options);
+  RemoteLink(const RemoteLink&) = delete;
+  RemoteLink& operator=(const RemoteLink&) = delete;
 
   /// Says hello until the side says welcome. Throws tandem::Error (Usage) when it is of another
   /// version, scenario or port table.

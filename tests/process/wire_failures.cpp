@@ -86,18 +86,28 @@ TEST_P(WireFailuresInMidRun, OrchestratorDies) {
 
 INSTANTIATE_TEST_SUITE_P(Signals, WireFailuresInMidRun, testing::Values(SIGKILL, SIGSTOP));
 
-// The side's error ends the driver with the side's own exit code and text, at once.
-TEST(WireFailures, AnErrorOfTheSideReachesTheDriverWithItsText) {
+// The side's error ends everybody with the side's own exit code and text, at once.
+TEST(WireFailures, AnErrorOfTheSideReachesEverybodyWithItsText) {
   const PeerRun run;
-  const auto fem = run.start("fem", {"throw_at=5"});
-  const auto mbs = run.start("mbs");
+  const auto orchestrator = run.start("orchestrator", {"window=4"});
+  const auto fem = run.start("fem", {"throw_at=5", "window=4"});
+  const auto mbs = run.start("mbs", {"window=4"});
   const double begin_s = now_s();
-  EXPECT_EQ(mbs->wait(3.0), 3);
-  EXPECT_LT(now_s() - begin_s, 1.0);
-  EXPECT_NE(mbs->value("error").find("fem: Newton stalled at t = 0.412 s. Halve h."),
-            std::string::npos)
-      << mbs->output();
-  EXPECT_EQ(fem->wait(3.0), 3);
+  for (const auto& child : {orchestrator.get(), fem.get(), mbs.get()}) {
+    EXPECT_EQ(child->wait(3.0), 3) << child->output();
+    EXPECT_NE(child->value("error").find("Newton stalled at t = 0.412 s. Halve h."),
+              std::string::npos)
+        << child->output();
+  }
+  EXPECT_LT(now_s() - begin_s, 2.0);
+  EXPECT_EQ(mbs->value("error").find("fem: Newton"), 0U) << mbs->output();
+}
+
+TEST(WireFailures, AServerWhoseParentHasGoneEnds) {
+  const PeerRun run;
+  // Whoever has this number is not the child's parent.
+  const auto fem = run.start("fem", {"timeout_s=60", "parent=1000000000"});
+  expect_end(*fem, 4, "the process that started it (pid 1000000000) has ended");
 }
 
 // Two steps of 1.5 s with a time-out of 1 s: the heartbeat goes on while the solver works.

@@ -26,7 +26,7 @@ Environment faults_of(int percent) {
 class WireFaults : public testing::TestWithParam<int> {
  protected:
   // At 20 % every second exchange waits for a time-out or two.
-  static int steps() { return GetParam() < 20 ? 100 : 25; }
+  static int steps() { return GetParam() < 20 ? 60 : 12; }
 };
 
 // 3 advances a step; checkpoints and rollbacks as in drive(): all values would differ
@@ -99,11 +99,11 @@ TEST(WireFaultKinds, FlippedBitsAreDroppedAndRepaired) {
   PeerRun run;
   run.faults = {{"LD_PRELOAD", kShim}, {"TANDEM_FAULT_FLIP_PERCENT", "10"}};
   const auto fem = run.start("fem");
-  const auto mbs = run.start("mbs", {"steps=60", "k=3"});
+  const auto mbs = run.start("mbs", {"steps=30", "k=3"});
   ASSERT_EQ(mbs->wait(60.0), 0) << mbs->output();
   ASSERT_EQ(fem->wait(5.0), 0) << fem->output();
   test::CountingFem local;
-  EXPECT_EQ(mbs->value("hash"), std::to_string(test::drive(local, 60, 3)));
+  EXPECT_EQ(mbs->value("hash"), std::to_string(test::drive(local, 30, 3)));
   EXPECT_GT(std::stoi(fem->value("damaged")), 0);
 }
 
@@ -111,10 +111,10 @@ TEST(WireFaultKinds, RandomSleepsChangeNoBit) {
   PeerRun run;
   run.faults = {{"LD_PRELOAD", kShim}, {"TANDEM_FAULT_SLEEP_US", "5000"}};
   const auto fem = run.start("fem");
-  const auto mbs = run.start("mbs", {"steps=60", "k=3"});
+  const auto mbs = run.start("mbs", {"steps=30", "k=3"});
   ASSERT_EQ(mbs->wait(60.0), 0) << mbs->output();
   test::CountingFem local;
-  EXPECT_EQ(mbs->value("hash"), std::to_string(test::drive(local, 60, 3)));
+  EXPECT_EQ(mbs->value("hash"), std::to_string(test::drive(local, 30, 3)));
 }
 
 // A blocked wire shows at opening, within the self test's time, not as a hang.

@@ -51,7 +51,8 @@ void run_fem(const Arguments& arguments) {
   Bus bus(bus_options(arguments, Process::Fem));
   Heartbeat heartbeat(bus, timeout_s);
   try {
-    LivenessMonitor monitor(bus, partners(arguments, Process::Mbs), timeout_s);
+    LivenessMonitor monitor(bus, partners(arguments, Process::Mbs), timeout_s,
+                            arguments.integer("parent", 0));
     test::CountingFem fem(static_cast<std::size_t>(arguments.integer("ports", 2)));
     const int sleep_ms = arguments.integer("sleep_ms", 0);
     const int throw_at = arguments.integer("throw_at", 0);
@@ -81,6 +82,7 @@ void drive_journaled(const Arguments& arguments, Bus& bus, LivenessMonitor& moni
   MotionSet begin = test::some_motions(fem.info().ports.size(), 0.5);
   fem.initialize(begin);
   StepRecord record;
+  const double begin_s = now_s();
   double blocked_s = sender.send({record, journal.take()});
   for (int step = 1; step <= steps; ++step) {
     fem.checkpoint();
@@ -94,8 +96,10 @@ void drive_journaled(const Arguments& arguments, Bus& bus, LivenessMonitor& moni
     record.iterations = 2;
     blocked_s += sender.send({record, journal.take()});
   }
+  const double wall_s = now_s() - begin_s;
   sender.finish({.exit_code = 0, .message = "done", .summary_json = "{}"});
-  std::cout << "blocked_s=" << blocked_s << "\njournals_resent=" << sender.resent() << "\n";
+  std::cout << "us_per_step=" << 1e6 * wall_s / steps << "\nblocked_s=" << blocked_s
+            << "\njournals_resent=" << sender.resent() << "\n";
 }
 
 void time_exchanges(const Arguments& arguments, FemSide& fem) {
