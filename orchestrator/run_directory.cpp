@@ -23,10 +23,10 @@ void create_folder(const fs::path& path) {
   }
 }
 
-fs::path default_folder(const std::string& scenario_name) {
+fs::path default_folder(const std::string& scenario_name, const std::string& prefix) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   const fs::path parent = fs::path("runs") / scenario_name;
-  const std::string stamp = fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
+  const std::string stamp = prefix + fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
   fs::path folder = parent / stamp;
   for (int suffix = 2; fs::exists(folder); ++suffix) {
     folder = parent / fmt::format("{}-{}", stamp, suffix);
@@ -38,7 +38,7 @@ fs::path default_folder(const std::string& scenario_name) {
 
 RunDirectory RunDirectory::create(const std::optional<fs::path>& chosen,
                                   const std::string& scenario_name) {
-  const fs::path path = fs::absolute(chosen ? *chosen : default_folder(scenario_name));
+  const fs::path path = fs::absolute(chosen ? *chosen : default_folder(scenario_name, ""));
   if (fs::exists(path / "scenario.yaml") || fs::exists(path / "exchange.lcm")) {
     throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds a run. Name a new folder, "
                                               "or remove this one.",
@@ -46,6 +46,19 @@ RunDirectory RunDirectory::create(const std::optional<fs::path>& chosen,
   }
   create_folder(path);
   return RunDirectory(path);
+}
+
+fs::path RunDirectory::create_group(const std::optional<fs::path>& chosen,
+                                    const std::string& scenario_name, const std::string& purpose) {
+  const fs::path path =
+      fs::absolute(chosen ? *chosen : default_folder(scenario_name, purpose + "-"));
+  if (fs::exists(path / (purpose + ".json"))) {
+    throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds results. Name a new "
+                                              "folder, or remove this one.",
+                                              path.string()));
+  }
+  create_folder(path);
+  return path;
 }
 
 RunDirectory RunDirectory::open(const fs::path& path) {

@@ -17,6 +17,10 @@ class RunDirectory {
   /// avoided by a suffix when it is the default.
   static RunDirectory create(const std::optional<std::filesystem::path>& chosen,
                              const std::string& scenario_name);
+  /// A folder for several runs, `runs/<scenario>/<purpose>-<UTC time>/` or the chosen one.
+  static std::filesystem::path create_group(const std::optional<std::filesystem::path>& chosen,
+                                            const std::string& scenario_name,
+                                            const std::string& purpose);
   /// An existing run; throws a Usage error that says what is missing.
   static RunDirectory open(const std::filesystem::path& path);
 

@@ -1,0 +1,123 @@
+#include "orchestrator/compare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "protocol/contract/error.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+void run_once(ComparedRuns& runs, const Model& model, const CompareOptions& options,
+              std::int64_t repetition) {
+  std::fprintf(stderr, "%s\n",
+               fmt::format("repetition {} of {}: {} {}", repetition, options.repeat, runs.scheme,
+                           to_string(runs.mode))
+                   .c_str());
+  const auto folder =
+      options.folder / runs.scheme / fmt::format("{}-{}", to_string(runs.mode), repetition);
+  const RunDirectory directory = RunDirectory::create(folder, model.name);
+  runs.history.clear();
+  const RunOutcome outcome =
+      run_model(model, directory,
+                {.mode = runs.mode, .silent = true, .watch = [&runs](const AcceptedInterface& i) {
+                   if (!i.motions.empty()) runs.history.push_back(i);
+                 }});
+  // A numerical end (3) is a result to show; anything else means that nothing was measured.
+  if (outcome.exit_code != 0 && outcome.exit_code != 3) {
+    throw Error(outcome.exit_code == 2 ? ErrorKind::Usage : ErrorKind::Partner,
+                outcome.summary.at("message").get<std::string>());
+  }
+  runs.exit_code = outcome.exit_code;
+  runs.wall_s.push_back(outcome.summary.at("wall_s").get<double>());
+  runs.summary = outcome.summary;
+}
+
+/// Both runs' values of all macro steps that both have, component by component.
+template <class Visit>
+void visit_pairs(const ComparedRuns& a, const ComparedRuns& b, Visit visit) {
+  const std::size_t steps = std::min(a.history.size(), b.history.size());
+  for (std::size_t n = 0; n < steps; ++n) {
+    for (std::size_t i = 0; i < a.history[n].motions.size(); ++i) {
+      visit(a.history[n].motions[i], b.history[n].motions[i], a.history[n].wrenches[i],
+            b.history[n].wrenches[i]);
+    }
+  }
+}
+
+}  // namespace
+
+const ComparedRuns& Comparison::find(Mode mode, const std::string& scheme) const {
+  for (const ComparedRuns& run : runs) {
+    if (run.mode == mode && (mode == Mode::Monolithic || run.scheme == scheme)) return run;
+  }
+  throw std::logic_error("comparison without " + to_string(mode) + " " + scheme);
+}
+
+Comparison compare(const std::function<Model(const std::string& scheme)>& load,
+                   const CompareOptions& options) {
+  std::vector<Model> models;
+  for (const std::string& scheme : options.schemes) models.push_back(load(scheme));
+  if (models.empty()) models.push_back(load(""));
+
+  Comparison comparison{.scenario = models.front().name, .repeat = options.repeat};
+  std::vector<const Model*> model_of;
+  const auto add = [&](Mode mode, const std::string& scheme, const Model& model) {
+    comparison.runs.push_back({.mode = mode, .scheme = scheme});
+    model_of.push_back(&model);
+  };
+  add(Mode::Monolithic, "monolithic", models.front());
+  for (const Model& model : models) {
+    add(Mode::Inproc, to_string(model.coupling.scheme), model);
+    add(Mode::Lcm, to_string(model.coupling.scheme), model);
+  }
+  for (std::int64_t repetition = 1; repetition <= options.repeat; ++repetition) {
+    for (std::size_t i = 0; i < comparison.runs.size(); ++i) {
+      run_once(comparison.runs[i], *model_of[i], options, repetition);
+    }
+  }
+  return comparison;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+RatioSpread ratio(const ComparedRuns& a, const ComparedRuns& b) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < std::min(a.wall_s.size(), b.wall_s.size()); ++i) {
+    ratios.push_back(a.wall_s[i] / b.wall_s[i]);
+  }
+  if (ratios.empty()) return {};
+  const auto [least, greatest] = std::minmax_element(ratios.begin(), ratios.end());
+  return {.median = median(ratios), .min = *least, .max = *greatest};
+}
+
+double largest_distance_m(const ComparedRuns& a, const ComparedRuns& b) {
+  double largest = 0.0;
+  visit_pairs(a, b, [&](const Motion& m, const Motion& n, const Wrench&, const Wrench&) {
+    largest = std::max(largest, (m.p_WP - n.p_WP).norm());
+  });
+  return largest;
+}
+
+double largest_difference(const ComparedRuns& a, const ComparedRuns& b) {
+  double largest = a.history.size() == b.history.size() ? 0.0 : HUGE_VAL;
+  visit_pairs(a, b, [&](const Motion& m, const Motion& n, const Wrench& w, const Wrench& x) {
+    largest = std::max(
+        {largest, (m.p_WP - n.p_WP).cwiseAbs().maxCoeff(),
+         (m.q_WP.coeffs() - n.q_WP.coeffs()).cwiseAbs().maxCoeff(),
+         (m.v_WP - n.v_WP).cwiseAbs().maxCoeff(), (m.w_WP - n.w_WP).cwiseAbs().maxCoeff(),
+         (w.f_P_W - x.f_P_W).cwiseAbs().maxCoeff(), (w.t_P_W - x.t_P_W).cwiseAbs().maxCoeff()});
+  });
+  return largest;
+}
+
+}  // namespace tandem::orchestrator

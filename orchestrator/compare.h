@@ -1,0 +1,62 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "orchestrator/model.h"
+#include "orchestrator/run.h"
+
+namespace tandem::orchestrator {
+
+struct CompareOptions {
+  std::int64_t repeat = 3;           ///< interleaved repetitions of every run
+  std::vector<std::string> schemes;  ///< empty = the scenario's own
+  std::filesystem::path folder;      ///< holds <scheme>/<mode>-<repetition>/ and compare.json
+};
+
+/// One way of running the scenario, repeated.
+struct ComparedRuns {
+  Mode mode = Mode::Lcm;
+  std::string scheme;
+  int exit_code = 0;
+  std::vector<double> wall_s;              ///< one per repetition
+  nlohmann::ordered_json summary;          ///< of the last repetition
+  std::vector<AcceptedInterface> history;  ///< of the last repetition, one per macro step
+};
+
+/// What a comparison found. The first entry of `runs` is the monolithic run, then in-process and
+/// LCM for each scheme.
+struct Comparison {
+  std::string scenario;
+  std::int64_t repeat = 0;
+  std::vector<ComparedRuns> runs;
+
+  [[nodiscard]] const ComparedRuns& find(Mode mode, const std::string& scheme) const;
+};
+
+/// Runs monolithic, in-process and LCM of the same scenario in turn (A B C A B C …), so that a
+/// drift of the machine's speed meets all of them alike. `load` gives the model with a scheme.
+[[nodiscard]] Comparison compare(const std::function<Model(const std::string& scheme)>& load,
+                                 const CompareOptions& options);
+
+/// Ratio of wall times a/b, repetition by repetition: median, least, greatest.
+struct RatioSpread {
+  double median = 0.0, min = 0.0, max = 0.0;
+};
+[[nodiscard]] RatioSpread ratio(const ComparedRuns& a, const ComparedRuns& b);
+[[nodiscard]] double median(std::vector<double> values);
+
+/// Largest |p_WP| distance (m) between two runs over all macro steps and ports that both have.
+[[nodiscard]] double largest_distance_m(const ComparedRuns& a, const ComparedRuns& b);
+
+/// Largest difference of any port component (SI units of the component); 0 = the same bits.
+[[nodiscard]] double largest_difference(const ComparedRuns& a, const ComparedRuns& b);
+
+/// compare.json, and the table that is printed.
+[[nodiscard]] nlohmann::ordered_json compare_json(const Comparison& comparison);
+[[nodiscard]] std::string compare_table(const Comparison& comparison);
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <utility>
+
+#include "orchestrator/compare.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+using nlohmann::ordered_json;
+
+double per_step_us(const ComparedRuns& runs) {
+  const auto steps = std::max<std::int64_t>(1, runs.summary.at("macro_steps").get<std::int64_t>());
+  return 1e6 * median(runs.wall_s) / static_cast<double>(steps);
+}
+
+/// Median over the repetitions of what a macro step over LCM costs more than in process (µs).
+double transfer_us_per_step(const ComparedRuns& lcm, const ComparedRuns& inproc) {
+  std::vector<double> extra_s;
+  for (std::size_t i = 0; i < lcm.wall_s.size(); ++i) {
+    extra_s.push_back(lcm.wall_s[i] - inproc.wall_s[i]);
+  }
+  const auto steps = std::max<std::int64_t>(1, lcm.summary.at("macro_steps").get<std::int64_t>());
+  return 1e6 * median(extra_s) / static_cast<double>(steps);
+}
+
+ordered_json run_json(const ComparedRuns& runs) {
+  ordered_json json = runs.summary;
+  json["wall_s"] = median(runs.wall_s);
+  json["wall_s_of_repetitions"] = runs.wall_s;
+  return json;
+}
+
+ordered_json spread_json(const RatioSpread& spread) {
+  return {{"median", spread.median}, {"min", spread.min}, {"max", spread.max}};
+}
+
+ordered_json scheme_json(const Comparison& comparison, const std::string& scheme) {
+  const ComparedRuns& mono = comparison.find(Mode::Monolithic, scheme);
+  const ComparedRuns& inproc = comparison.find(Mode::Inproc, scheme);
+  const ComparedRuns& lcm = comparison.find(Mode::Lcm, scheme);
+  const RatioSpread over_inproc = ratio(lcm, inproc);
+  const RatioSpread over_mono = ratio(lcm, mono);
+  ordered_json json;
+  json["runs"] = {
+      {"monolithic", run_json(mono)}, {"inproc", run_json(inproc)}, {"lcm", run_json(lcm)}};
+  json["overhead"] = {{"lcm_over_inproc", over_inproc.median},
+                      {"lcm_over_monolithic", over_mono.median},
+                      {"transfer_us_per_step", transfer_us_per_step(lcm, inproc)},
+                      {"lcm_over_inproc_spread", spread_json(over_inproc)},
+                      {"lcm_over_monolithic_spread", spread_json(over_mono)}};
+  json["difference"] = {{"lcm_vs_inproc_max", largest_difference(lcm, inproc)},
+                        {"lcm_vs_monolithic_max_m", largest_distance_m(lcm, mono)}};
+  return json;
+}
+
+std::vector<std::string> schemes_of(const Comparison& comparison) {
+  std::vector<std::string> schemes;
+  for (const ComparedRuns& runs : comparison.runs) {
+    if (runs.mode == Mode::Lcm) schemes.push_back(runs.scheme);
+  }
+  return schemes;
+}
+
+void append_run_row(std::string& table, const Comparison& comparison, const ComparedRuns& runs) {
+  const ComparedRuns& mono = comparison.runs.front();
+  const std::string name = runs.mode == Mode::Monolithic
+                               ? "monolithic"
+                               : fmt::format("{}, {}", runs.scheme, to_string(runs.mode));
+  if (runs.exit_code != 0) {
+    fmt::format_to(std::back_inserter(table), "{:<28} {}\n", name,
+                   runs.summary.at("message").get<std::string>());
+    return;
+  }
+  const auto [least, greatest] = std::minmax_element(runs.wall_s.begin(), runs.wall_s.end());
+  fmt::format_to(std::back_inserter(table),
+                 "{:<28} {:>8.3f} {:>8.3f} … {:<8.3f} {:>9.1f} {:>9.3f} {:>10.2f} {:>10.3f}  {}\n",
+                 name, median(runs.wall_s), *least, *greatest, per_step_us(runs),
+                 runs.summary.at("realtime_ratio").get<double>(),
+                 runs.summary.at("iterations").at("mean").get<double>(), ratio(runs, mono).median,
+                 runs.mode == Mode::Monolithic
+                     ? std::string("reference")
+                     : fmt::format("{:.2e}", largest_distance_m(runs, mono)));
+}
+
+void append_ledger(std::string& table, const Comparison& comparison, const std::string& scheme) {
+  const std::array<const ComparedRuns*, 3> columns{&comparison.find(Mode::Monolithic, scheme),
+                                                   &comparison.find(Mode::Inproc, scheme),
+                                                   &comparison.find(Mode::Lcm, scheme)};
+  fmt::format_to(std::back_inserter(table),
+                 "\nwhere the time goes, µs per macro step (last repetition, {})\n"
+                 "{:<28} {:>12} {:>12} {:>12}\n",
+                 scheme, "", "monolithic", "inproc", "lcm");
+  for (const auto& [key, unused] : columns[0]->summary.at("ledger_s").items()) {
+    if (key == "discarded") continue;
+    fmt::format_to(std::back_inserter(table), "{:<28}", key);
+    for (const ComparedRuns* runs : columns) {
+      const double steps = runs->summary.at("macro_steps").get<double>();
+      const double seconds = runs->summary.at("ledger_s").at(key).get<double>();
+      fmt::format_to(std::back_inserter(table), " {:>12.2f}", 1e6 * seconds / std::max(1.0, steps));
+    }
+    table += "\n";
+  }
+}
+
+void append_price(std::string& table, const Comparison& comparison, const std::string& scheme) {
+  const ComparedRuns& mono = comparison.find(Mode::Monolithic, scheme);
+  const ComparedRuns& inproc = comparison.find(Mode::Inproc, scheme);
+  const ComparedRuns& lcm = comparison.find(Mode::Lcm, scheme);
+  if (lcm.exit_code != 0 || inproc.exit_code != 0) return;
+  const RatioSpread over_inproc = ratio(lcm, inproc);
+  const RatioSpread over_mono = ratio(lcm, mono);
+  const double difference = largest_difference(lcm, inproc);
+  fmt::format_to(
+      std::back_inserter(table),
+      "\n{}: transfer and synchronisation cost {:.1f} µs per macro step\n"
+      "  lcm / in-process  {:.3f}  ({:.3f} … {:.3f})   the same scheme: {}\n"
+      "  lcm / monolithic  {:.3f}  ({:.3f} … {:.3f})   port positions differ by at most {:.2e} m\n"
+      "  one exchange: median {:.1f} µs, p99 {:.1f} µs; {} messages, {} bytes, {} sent again\n",
+      scheme, transfer_us_per_step(lcm, inproc), over_inproc.median, over_inproc.min,
+      over_inproc.max,
+      difference == 0.0 ? "every port value has the same bits"
+                        : fmt::format("VALUES DIFFER by up to {:.3e}", difference),
+      over_mono.median, over_mono.min, over_mono.max, largest_distance_m(lcm, mono),
+      lcm.summary.at("exchange_us").at("median").get<double>(),
+      lcm.summary.at("exchange_us").at("p99").get<double>(),
+      lcm.summary.at("wire").at("messages").get<std::int64_t>(),
+      lcm.summary.at("wire").at("bytes").get<std::int64_t>(),
+      lcm.summary.at("wire").at("resent").get<std::int64_t>());
+}
+
+}  // namespace
+
+ordered_json compare_json(const Comparison& comparison) {
+  const std::vector<std::string> schemes = schemes_of(comparison);
+  ordered_json json;
+  json["scenario"] = comparison.scenario;
+  json["repeat"] = comparison.repeat;
+  json["scheme"] = schemes.front();
+  json.update(scheme_json(comparison, schemes.front()));
+  for (const std::string& scheme : schemes) {
+    json["schemes"][scheme] = scheme_json(comparison, scheme);
+  }
+  return json;
+}
+
+std::string compare_table(const Comparison& comparison) {
+  std::string table = fmt::format(
+      "{}: {} macro steps, {} interleaved repetition(s), medians and spread\n\n"
+      "{:<28} {:>8} {:>19} {:>9} {:>9} {:>10} {:>10}  {}\n",
+      comparison.scenario, comparison.runs.front().summary.at("macro_steps").get<std::int64_t>(),
+      comparison.repeat, "", "wall s", "least … greatest", "µs/step", "real time", "iterations",
+      "/ mono", "max |Δp| m");
+  for (const ComparedRuns& runs : comparison.runs) append_run_row(table, comparison, runs);
+  for (const std::string& scheme : schemes_of(comparison)) {
+    append_price(table, comparison, scheme);
+  }
+  append_ledger(table, comparison, schemes_of(comparison).front());
+  return table;
+}
+
+}  // namespace tandem::orchestrator
