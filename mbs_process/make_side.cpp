@@ -9,13 +9,13 @@ namespace tandem::mbs {
 std::unique_ptr<RigidWorld> make_side(const scenario::Node& root,
                                       const std::filesystem::path& directory) {
   auto world = std::make_unique<RigidWorld>(read_params(root));
-  if (directory.empty()) return world;
+  const std::int64_t every_steps = scenario::read_output(root).bodies_every_steps;
+  if (directory.empty() || every_steps == 0) return world;
 
   std::vector<std::string> names;
   for (const BodyParams& body : world->params().bodies) names.push_back(body.name);
   // shared_ptr: std::function must be copyable, although this one never is copied.
-  auto csv = std::make_shared<BodiesCsv>(directory / "bodies.csv", names,
-                                         scenario::read_output(root).bodies_every_steps);
+  auto csv = std::make_shared<BodiesCsv>(directory / "bodies.csv", names, every_steps);
   const SimTime end = scenario::read_run(root).duration;
   world->on_accepted_state([csv, end](const State& state) {
     csv->write(state);
