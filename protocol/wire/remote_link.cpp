@@ -90,33 +90,52 @@ void RemoteLink::on_reply(const Header& header, ByteView message) {
   reply_.assign(message.begin(), message.end());
 }
 
+void RemoteLink::await_reply(Bytes& request, CallCost& cost) {
+  reply_.clear();
+  send(request, 0, cost);
+  double timeout_s = kFirstTimeout_s;
+  double resend_s = now_s() + timeout_s;
+  while (reply_.empty()) {
+    monitor_.wait(std::max(0.0, resend_s - now_s()));
+    if (!reply_.empty() || now_s() < resend_s) continue;
+    send(request, static_cast<std::int32_t>(++cost.resent), cost);
+    timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
+    resend_s = now_s() + timeout_s;
+  }
+}
+
+void RemoteLink::book(const Reply& reply, double round_trip_s, CallCost& cost) {
+  // What neither process books is on the way: kernel, wake-up, waiting for a lost message. On one
+  // core we may wake while the server still is in its publish call: only the part of it that fits
+  // into the round trip delayed us.
+  const ServerCost& server = reply.cost;
+  const double rest_s =
+      round_trip_s - cost.publish_s - (server.compute_s + server.decode_s + server.encode_s);
+  const double server_publish_s = std::clamp(server.publish_s, 0.0, std::max(0.0, rest_s));
+  cost.transit_s = rest_s - server_publish_s;
+  cost.compute_s = server.compute_s;
+  cost.encode_s += server.encode_s;
+  cost.decode_s += server.decode_s;
+  cost.publish_s += server_publish_s;
+  cost.messages += 1;
+  cost.bytes += static_cast<std::int64_t>(reply_.size());
+  cost.duplicates = std::exchange(stale_, 0) + reply.duplicates -
+                    std::exchange(server_duplicates_, reply.duplicates);
+}
+
 Reply RemoteLink::call(Request& request, CallCost& cost) {
   CallCost mine;
-  request.header.sequence = ++sequence_;
+  Header header = bus_.header(Kind::Request, ++sequence_);
+  header.macro_step = request.header.macro_step;
+  header.iteration = request.header.iteration;
+  request.header = header;
   const double encode_s = now_s();
-  {
-    Header header = bus_.header(Kind::Request, sequence_);
-    header.macro_step = request.header.macro_step;
-    header.iteration = request.header.iteration;
-    request.header = header;
-  }
   Bytes message = encode(request);
   const double begin_s = now_s();
   mine.encode_s = begin_s - encode_s;
 
-  reply_.clear();
-  const std::int64_t stale_before = stale_;
-  monitor_.set_macro_step(request.header.macro_step);
-  send(message, 0, mine);
-  double timeout_s = kFirstTimeout_s;
-  double resend_s = begin_s + timeout_s;
-  while (reply_.empty()) {
-    monitor_.wait(std::max(0.0, resend_s - now_s()));
-    if (!reply_.empty() || now_s() < resend_s) continue;
-    send(message, static_cast<std::int32_t>(++mine.resent), mine);
-    timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
-    resend_s = now_s() + timeout_s;
-  }
+  monitor_.set_macro_step(header.macro_step);
+  await_reply(message, mine);
 
   const double decode_s = now_s();
   auto reply = decode_reply(reply_);
@@ -124,26 +143,11 @@ Reply RemoteLink::call(Request& request, CallCost& cost) {
     throw Error(ErrorKind::Partner,
                 fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "
                             "message schema. Install both from one build.",
-                            text_of(options_.side), sequence_, request.header.macro_step,
+                            text_of(options_.side), sequence_, header.macro_step,
                             executable_of(options_.side)));
   }
-  const ServerCost& server = reply->cost;
-  const double own_decode_s = open_s_ + now_s() - decode_s;
-  // What neither process books is on the way: kernel, wake-up, waiting for a lost message. On one
-  // core we may wake while the server still is in its publish call: only the part of it that fits
-  // into the round trip delayed us.
-  const double rest_s = (arrival_s_ - begin_s) - mine.publish_s -
-                        (server.compute_s + server.decode_s + server.encode_s);
-  const double server_publish_s = std::clamp(server.publish_s, 0.0, std::max(0.0, rest_s));
-  mine.transit_s = rest_s - server_publish_s;
-  mine.compute_s = server.compute_s;
-  mine.encode_s += server.encode_s;
-  mine.decode_s = own_decode_s + server.decode_s;
-  mine.publish_s += server_publish_s;
-  mine.messages += 1;
-  mine.bytes += static_cast<std::int64_t>(reply_.size());
-  mine.duplicates = (stale_ - stale_before) +
-                    (reply->duplicates - std::exchange(server_duplicates_, reply->duplicates));
+  mine.decode_s = open_s_ + (now_s() - decode_s);
+  book(*reply, arrival_s_ - begin_s, mine);
   cost += mine;
   total_ += mine;
   if (reply->error) {

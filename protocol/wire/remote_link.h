@@ -42,6 +42,8 @@ class RemoteLink {
 
  private:
   void send(Bytes& message, std::int32_t attempt, CallCost& cost);
+  void await_reply(Bytes& request, CallCost& cost);
+  void book(const Reply& reply, double round_trip_s, CallCost& cost);
   void on_reply(const Header& header, ByteView message);
   void check(const Handshake& welcome) const;
 
@@ -53,7 +55,7 @@ class RemoteLink {
   Bytes reply_;  ///< of sequence_, empty while it is open
   double arrival_s_ = 0.0;
   double open_s_ = 0.0;                 ///< checking and copying it
-  std::int64_t stale_ = 0;              ///< replies that came again
+  std::int64_t stale_ = 0;              ///< replies that came again, not booked yet
   std::int64_t server_duplicates_ = 0;  ///< as the server last reported
   CallCost total_;
 };
