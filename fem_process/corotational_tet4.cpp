@@ -83,8 +83,9 @@ CorotationalTet4::Local CorotationalTet4::localise(const Tet4& element,
     edges.col(k) = x.segment<3>(3 * element.nodes[static_cast<std::size_t>(k) + 1]) -
                    x.segment<3>(3 * element.nodes[0]);
   }
-  const PolarRotation polar = polar_rotation(edges * element.gradients.bottomRows<3>());
-  Local local{polar.R, Vector12d::Zero(), polar.inverted};
+  const Eigen::Matrix3d F = edges * element.gradients.bottomRows<3>();
+  const PolarRotation polar = polar_rotation(F);
+  Local local{polar.R, F, Vector12d::Zero(), polar.inverted};
   for (int k = 0; k < 3; ++k) {
     local.u.segment<3>(3 * k + 3) =
         polar.R.transpose() * edges.col(k) -
@@ -110,6 +111,45 @@ int CorotationalTet4::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int,
     add_rotated(element, local.R, K);
   }
   return inverted;
+}
+
+/// With dR = R Ω and S = Rᵀ F: from Rᵀ dF = Ω S + dS, the axial vector ω of Ω solves
+///   (tr S I − S) ω = axial(Rᵀ dF − dFᵀ R),
+/// and d(R K (Rᵀ (x + y) − X)) = R (Ω q + K (Rᵀ dx − Ω Rᵀ (x + y))), q = K (u + Rᵀ y).
+Eigen::VectorXd CorotationalTet4::derivative(const Eigen::VectorXd& x, const Eigen::VectorXd& y,
+                                             const Eigen::VectorXd& dx) const {
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(x.size());
+  for (const Tet4& element : elements_) {
+    const Local local = localise(element, x);
+    const Eigen::Matrix3d Rt = local.R.transpose();
+    Eigen::Matrix3d dF = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 4; ++i) {
+      dF +=
+          dx.segment<3>(3 * element.nodes[static_cast<std::size_t>(i)]) * element.gradients.row(i);
+    }
+    const Eigen::Matrix3d A = Rt * dF;
+    const Eigen::Matrix3d S = Rt * local.F;
+    const Eigen::Matrix3d T = S.trace() * Eigen::Matrix3d::Identity() - S;
+    const Eigen::Vector3d omega =
+        T.inverse() * Eigen::Vector3d(A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1));
+    Vector12d whole;  // u + Rᵀ y
+    Vector12d turned;
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Index node = 3 * element.nodes[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d y_local = Rt * y.segment<3>(node);
+      const Eigen::Vector3d x_local =
+          Rt * (x.segment<3>(node) - x.segment<3>(3 * element.nodes[0]));
+      whole.segment<3>(3 * i) = local.u.segment<3>(3 * i) + y_local;
+      turned.segment<3>(3 * i) = Rt * dx.segment<3>(node) - omega.cross(x_local + y_local);
+    }
+    const Vector12d q = element.K * whole;
+    const Vector12d r = element.K * turned;
+    for (int i = 0; i < 4; ++i) {
+      change.segment<3>(3 * element.nodes[static_cast<std::size_t>(i)]) +=
+          local.R * (omega.cross(q.segment<3>(3 * i)) + r.segment<3>(3 * i));
+    }
+  }
+  return change;
 }
 
 double CorotationalTet4::energy(const Eigen::VectorXd& x) const {

@@ -37,6 +37,8 @@ class CorotationalTet4 final : public Formulation {
 
   [[nodiscard]] const BlockPattern& pattern() const override { return pattern_; }
   int evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K) const override;
+  [[nodiscard]] Eigen::VectorXd derivative(const Eigen::VectorXd& x, const Eigen::VectorXd& y,
+                                           const Eigen::VectorXd& dx) const override;
   [[nodiscard]] double energy(const Eigen::VectorXd& x) const override;
   [[nodiscard]] std::vector<ElementResult> element_results(const Eigen::VectorXd& x) const override;
 
@@ -45,6 +47,7 @@ class CorotationalTet4 final : public Formulation {
  private:
   struct Local {
     Eigen::Matrix3d R;
+    Eigen::Matrix3d F;
     Vector12d u;  ///< co-rotated displacements (m)
     bool inverted = false;
   };

@@ -1,6 +1,5 @@
 #include "fem_process/flexible_body.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,25 +8,6 @@
 
 namespace tandem::fem {
 namespace {
-
-/// Motion with one of its 12 coordinates (see difference()) changed by `amount`.
-Motion nudged(Motion motion, int coordinate, double amount) {
-  const Eigen::Vector3d change = amount * Eigen::Vector3d::Unit(coordinate % 3);
-  switch (coordinate / 3) {
-    case 0:
-      motion.p_WP += change;
-      break;
-    case 1:
-      motion.q_WP = Eigen::Quaterniond(Eigen::AngleAxisd(amount, change / amount)) * motion.q_WP;
-      break;
-    case 2:
-      motion.v_WP += change;
-      break;
-    default:
-      motion.w_WP += change;
-  }
-  return motion;
-}
 
 PortArms port_arms(const Model& model, const MotionSet& motions) {
   PortArms arms;
@@ -82,31 +62,39 @@ void FlexibleBody::check_request(const StepRequest<MotionSet>& request) const {
               std::to_string(model_.params.micro_step.count()) + " ns. Change fem.micro_step_s.");
 }
 
-FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request, const State& begin) {
+FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   const SimTime h = model_.params.micro_step;
   const std::int64_t n = request.step / h;
   Advance done;
-  done.last.state = begin;
-  for (std::int64_t j = 1; j <= n; ++j) {
-    const double s = static_cast<double>(j) / static_cast<double>(n);
-    const MotionSet end = j == n ? request.input.end : interpolate(request.input, s, request.step);
-    const State from = std::move(done.last.state);
-    done.last = step_->advance(from, end, h, kept_[j == 1 ? 0 : 1]);
-    const SolveReport& report = done.last.report;
+  done.last.state = state_;
+  StepTangent tangent(model_, step_->arms());
+  const auto book = [&](const SolveReport& report, SimTime time) {
     done.report.iterations += report.iterations;
-    if (report.outcome > done.report.outcome) {
-      done.report.outcome = report.outcome;
-      done.report.message = at_time(from.time + h) + report.message;
-    }
-    if (report.outcome == Outcome::Failed) return done;
+    if (report.outcome <= done.report.outcome) return;
+    done.report.outcome = report.outcome;
+    done.report.message = at_time(time) + report.message;
+  };
+  for (std::int64_t j = 1; j <= n && done.report.outcome != Outcome::Failed; ++j) {
+    const double s = static_cast<double>(j) / static_cast<double>(n);
+    const MotionSet end = interpolate(request.input, s, request.step);
+    Linearisation& kept = kept_[j == 1 ? 0 : 1];
+    const State from = std::move(done.last.state);
+    done.last = step_->advance(from, end, h, kept);
     done.last.state.generation = ++generations_;
+    book(done.last.report, from.time + h);
+    if (!request.linearize || done.report.outcome == Outcome::Failed) continue;
+    book(tangent.advance(end, interpolation_derivative(request.input, s, request.step), done.last,
+                         kept),
+         from.time + h);
   }
+  if (done.report.outcome == Outcome::Failed) return done;
   if (!done.last.state.x.allFinite() || !all_finite(done.last.wrenches)) {
-    done.report.outcome = Outcome::Failed;
-    done.report.message = at_time(begin.time + request.step) +
-                          "positions or wrenches are not finite. Check the port motions, or " +
-                          "shorten fem.micro_step_s.";
+    book({.outcome = Outcome::Failed,
+          .message = "positions or wrenches are not finite. Check the port motions, or shorten "
+                     "fem.micro_step_s."},
+         state_.time + request.step);
   }
+  if (request.linearize) done.jacobian = tangent.jacobian();
   return done;
 }
 
@@ -118,60 +106,17 @@ StepResult<WrenchSet> FlexibleBody::advance(const StepRequest<MotionSet>& reques
     result.message = at_time(state_.time) + "the port motions are not finite.";
     return result;
   }
-  Advance done = run(request, state_);
-  SolveReport derivative;
-  InterfaceJacobian jacobian;
-  if (request.linearize && done.report.outcome != Outcome::Failed) {
-    derivative = linearize(request, done, jacobian);
-  }
-  result.outcome = std::max(done.report.outcome, derivative.outcome);
-  result.message = done.report.message + derivative.message;
-  result.solver_iterations = done.report.iterations + derivative.iterations;
+  Advance done = run(request);
+  result.outcome = done.report.outcome;
+  result.message = done.report.message;
+  result.solver_iterations = done.report.iterations;
   if (result.outcome != Outcome::Failed) {
     result.output = std::move(done.last.wrenches);
-    if (request.linearize) result.jacobian = std::move(jacobian);
+    if (request.linearize) result.jacobian = std::move(done.jacobian);
     state_ = std::move(done.last.state);
   }
   result.cost.compute_s = now_s() - begin_s;
   return result;
-}
-
-SolveReport FlexibleBody::linearize(const StepRequest<MotionSet>& request, const Advance& done,
-                                    InterfaceJacobian& jacobian) {
-  if (request.step == model_.params.micro_step) {
-    return step_->linearize(request.input.end, done.last, kept_[0], jacobian);
-  }
-  return difference_quotients(request, jacobian);
-}
-
-/// Several micro steps: the end motion acts through all of them and through the stiffness between
-/// them. Central differences of the whole macro step, 24 advances per port.
-SolveReport FlexibleBody::difference_quotients(const StepRequest<MotionSet>& request,
-                                               InterfaceJacobian& jacobian) {
-  const auto ports = static_cast<Eigen::Index>(model_.ports.size());
-  jacobian.resize(6 * ports, 12 * ports);
-  SolveReport total;
-  for (Eigen::Index column = 0; column < 12 * ports; ++column) {
-    const auto port = static_cast<std::size_t>(column / 12);
-    const int coordinate = static_cast<int>(column % 12);
-    // 1e-5 of the length, angle or rate that changes the wrench by its own size.
-    const double size = coordinate / 3 == 0 ? model_.ports[port].length_m : 1.0;
-    const double amount = 1e-5 * size;
-    Eigen::VectorXd ends[2];
-    for (int side = 0; side < 2; ++side) {
-      StepRequest<MotionSet> varied = request;
-      varied.input.end[port] =
-          nudged(request.input.end[port], coordinate, side == 0 ? -amount : amount);
-      const Advance done = run(varied, state_);
-      total.iterations += done.report.iterations;
-      if (done.report.outcome != Outcome::Done) {
-        return {done.report.outcome, done.report.message, total.iterations};
-      }
-      ends[side] = stack(done.last.wrenches);
-    }
-    jacobian.col(column) = (ends[1] - ends[0]) / (2.0 * amount);
-  }
-  return total;
 }
 
 void FlexibleBody::checkpoint() {

@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "fem_process/model.h"
 #include "fem_process/params.h"
 #include "fem_process/state.h"
+#include "fem_process/step_tangent.h"
 #include "fem_process/transient_step.h"
 #include "protocol/contract/subsystem.h"
 
@@ -52,12 +54,10 @@ class FlexibleBody final : public FemSide {
   struct Advance {
     SolveReport report;
     TransientStep::Result last;
+    InterfaceJacobian jacobian;
   };
-  Advance run(const StepRequest<MotionSet>& request, const State& begin);
-  SolveReport linearize(const StepRequest<MotionSet>& request, const Advance& done,
-                        InterfaceJacobian& jacobian);
-  SolveReport difference_quotients(const StepRequest<MotionSet>& request,
-                                   InterfaceJacobian& jacobian);
+  /// All micro steps of a macro step from the present state, which stays.
+  Advance run(const StepRequest<MotionSet>& request);
   void check_request(const StepRequest<MotionSet>& request) const;
 
   Model model_;

@@ -25,6 +25,12 @@ class Formulation {
   /// damping use. Returns the number of inverted elements (det F ≤ 0).
   virtual int evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K) const = 0;
 
+  /// Exact directional derivative (N) of f_int(x) + K(x) y along dx, y held: what K itself leaves
+  /// out (the turning of the elements) included.
+  [[nodiscard]] virtual Eigen::VectorXd derivative(const Eigen::VectorXd& x,
+                                                   const Eigen::VectorXd& y,
+                                                   const Eigen::VectorXd& dx) const = 0;
+
   /// Strain energy (J).
   [[nodiscard]] virtual double energy(const Eigen::VectorXd& x) const = 0;
 

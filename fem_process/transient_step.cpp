@@ -3,23 +3,10 @@
 #include <Eigen/Geometry>
 #include <utility>
 
+#include "fem_process/node_vectors.h"
+
 namespace tandem::fem {
 namespace {
-
-Eigen::VectorXd gather(const Eigen::VectorXd& whole, const std::vector<int>& nodes) {
-  Eigen::VectorXd part(3 * static_cast<Eigen::Index>(nodes.size()));
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    part.segment<3>(3 * static_cast<Eigen::Index>(k)) = whole.segment<3>(3 * nodes[k]);
-  }
-  return part;
-}
-
-template <class Part>
-void scatter_add(const Part& part, const std::vector<int>& nodes, Eigen::VectorXd& whole) {
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    whole.segment<3>(3 * nodes[k]) += part.template segment<3>(3 * static_cast<Eigen::Index>(k));
-  }
-}
 
 /// S_II = m M + k K on the pattern of the free nodes.
 void combine(const Model& model, double m, const BlockValues* K, double k, BlockValues& S) {
@@ -54,21 +41,22 @@ void TransientStep::prescribe(const MotionSet& motions, Eigen::VectorXd& x,
   for (int node : model_.fixed) v.segment<3>(3 * node).setZero();
 }
 
-WrenchSet TransientStep::wrenches(const MotionSet& motions, const Eigen::VectorXd& react) const {
-  WrenchSet wrenches(arms_.size());
-  for (std::size_t p = 0; p < arms_.size(); ++p) {
+WrenchSet port_wrenches(const Model& model, const PortArms& arms, const MotionSet& motions,
+                        const Eigen::VectorXd& react) {
+  WrenchSet wrenches(arms.size());
+  for (std::size_t p = 0; p < arms.size(); ++p) {
     const Eigen::Matrix3d R_WP = motions[p].q_WP.toRotationMatrix();
-    for (std::size_t k = 0; k < arms_[p].size(); ++k) {
-      const Eigen::Vector3d g = react.segment<3>(3 * model_.ports[p].nodes[k]);
+    for (std::size_t k = 0; k < arms[p].size(); ++k) {
+      const Eigen::Vector3d g = react.segment<3>(3 * model.ports[p].nodes[k]);
       wrenches[p].f_P_W -= g;
-      wrenches[p].t_P_W -= (R_WP * arms_[p][k]).cross(g);
+      wrenches[p].t_P_W -= (R_WP * arms[p][k]).cross(g);
     }
   }
   return wrenches;
 }
 
 SolveReport TransientStep::start(const MotionSet& motions, State& state,
-                                 WrenchSet& wrenches_out) const {
+                                 WrenchSet& wrenches) const {
   state.x = model_.reference();
   state.v = model_.initial_velocities();
   prescribe(motions, state.x, state.v);
@@ -97,7 +85,7 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
 
   Eigen::VectorXd react = multiply_scalar(model_.pattern(), model_.mass, a) + force;
   for (int node : model_.free) react.segment<3>(3 * node).setZero();
-  wrenches_out = wrenches(motions, react);
+  wrenches = port_wrenches(model_, arms_, motions, react);
   if (model_.integrator->keeps_history()) {
     state.a_mean = a;
     state.a = std::move(a);
@@ -137,6 +125,35 @@ TransientStep::Balance TransientStep::balance(const Linearisation& kept, const S
   return balance;
 }
 
+/// Corrects v (free nodes: a guess; prescribed nodes: final) to the balance of forces; fills d, the
+/// reactions and the histories of `result`.
+void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
+                          const Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
+                          Result& result) const {
+  const StepMap& map = kept.map;
+  Eigen::VectorXd& d = result.d;
+  Eigen::MatrixXd delta = -gather(balance(kept, begin, f_ext, v, d, a).residual, model_.free);
+  const Eigen::VectorXd b =
+      delta + multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
+  result.report = kept.solver->solve(delta, Eigen::VectorXd::Constant(1, b.norm()));
+  if (result.report.outcome == Outcome::Failed) return;
+  scatter_add(delta.col(0), model_.free, v);
+  scatter_add(map.c_x * delta.col(0), model_.free, d);
+  scatter_add(map.c_a * delta.col(0), model_.free, a);
+
+  Balance balanced = balance(kept, begin, f_ext, v, d, a);
+  result.react = std::move(balanced.residual);
+  if (begin.react.size() > 0) result.react -= (1.0 - map.theta) * begin.react;
+  result.react /= map.theta;
+  for (int node : model_.free) result.react.segment<3>(3 * node).setZero();
+  if (model_.integrator->keeps_history()) {
+    result.state.a_mean = (v - begin.v) / kept.h_s;
+    result.state.a = a;
+    result.state.force = std::move(balanced.force);
+    result.state.react = result.react;
+  }
+}
+
 TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end, SimTime h,
                                              Linearisation& kept) const {
   linearise(begin, to_seconds(h), kept);
@@ -145,126 +162,33 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   if (kept.factorisation.outcome == Outcome::Failed) return result;
   const StepMap& map = kept.map;
   const SimTime time = begin.time + h;
-  const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time));
 
   // Free nodes start from their last velocities; prescribed ones have their final motion.
   Eigen::VectorXd x = begin.x;
   Eigen::VectorXd v = begin.v;
   prescribe(end, x, v);
-  Eigen::VectorXd d = map.d_hat + map.c_x * v;
+  Eigen::VectorXd& d = result.d;
+  d = map.d_hat + map.c_x * v;
   Eigen::VectorXd a = map.a_hat + map.c_a * v;
   for (int node : model_.prescribed) {
     const Eigen::Index at = 3 * node;
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
-  const Balance guess = balance(kept, begin, f_ext, v, d, a);
-  Eigen::MatrixXd delta = -gather(guess.residual, model_.free);
-  const Eigen::VectorXd b =
-      delta + multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
-  result.report = kept.solver->solve(delta, Eigen::VectorXd::Constant(1, b.norm()));
+  solve(begin, model_.external_forces(to_seconds(time)), kept, v, a, result);
   if (result.report.outcome == Outcome::Failed) return result;
-  scatter_add(delta.col(0), model_.free, v);
-  scatter_add(map.c_x * delta.col(0), model_.free, d);
-  scatter_add(map.c_a * delta.col(0), model_.free, a);
-
-  const Balance balanced = balance(kept, begin, f_ext, v, d, a);
-  const Eigen::VectorXd from = begin.react.size() > 0
-                                   ? Eigen::VectorXd((1.0 - map.theta) * begin.react)
-                                   : Eigen::VectorXd::Zero(x.size());
-  result.react = (balanced.residual - from) / map.theta;
   for (int node : model_.free) {
-    result.react.segment<3>(3 * node).setZero();
     x.segment<3>(3 * node) = map.x_tilde.segment<3>(3 * node) + d.segment<3>(3 * node);
   }
-  result.wrenches = wrenches(end, result.react);
-  result.state.external_work_J =
-      begin.external_work_J +
-      0.5 *
-          (model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time))).dot(x - begin.x);
+  result.wrenches = port_wrenches(model_, arms_, end, result.react);
+  const Eigen::VectorXd loads =
+      model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time));
+  result.state.external_work_J = begin.external_work_J + 0.5 * loads.dot(x - begin.x);
   result.state.time = time;
   result.state.inverted_elements = kept.inverted_elements;
-  if (model_.integrator->keeps_history()) {
-    result.state.a_mean = (v - begin.v) / to_seconds(h);
-    result.state.a = std::move(a);
-    result.state.force = balanced.force;
-    result.state.react = result.react;
-  }
   result.state.x = std::move(x);
   result.state.v = std::move(v);
   return result;
-}
-
-SolveReport TransientStep::linearize(const MotionSet& end, const Result& result,
-                                     Linearisation& kept, InterfaceJacobian& jacobian) const {
-  const StepMap& map = kept.map;
-  const Damping& damping = model_.params.damping;
-  const auto ports = static_cast<Eigen::Index>(arms_.size());
-  const Eigen::Index n = result.state.x.size();
-  // Right-hand side and full-length change of the balance for one change of nodal motion.
-  const auto change = [&](const Eigen::VectorXd& dv, const Eigen::VectorXd& dd,
-                          const Eigen::VectorXd& da) -> Eigen::VectorXd {
-    return multiply_scalar(model_.pattern(), model_.mass,
-                           da + map.theta * damping.alpha_per_s * dv) +
-           multiply(model_.pattern(), kept.K, map.theta * (damping.beta_s * dv + dd));
-  };
-  // Every column moves the port's nodes by dv and, where positions are prescribed, by dx.
-  Eigen::MatrixXd dv = Eigen::MatrixXd::Zero(n, 12 * ports);
-  Eigen::MatrixXd dd = Eigen::MatrixXd::Zero(n, 12 * ports);
-  for (Eigen::Index p = 0; p < ports; ++p) {
-    const auto port = static_cast<std::size_t>(p);
-    const Eigen::Matrix3d R_WP = end[port].q_WP.toRotationMatrix();
-    for (std::size_t k = 0; k < arms_[port].size(); ++k) {
-      const Eigen::Vector3d r_W = R_WP * arms_[port][k];
-      const Eigen::Index row = 3 * model_.ports[port].nodes[k];
-      for (int axis = 0; axis < 3; ++axis) {
-        const Eigen::Vector3d e = Eigen::Vector3d::Unit(axis);
-        const Eigen::Index column = 12 * p + axis;
-        dv.block<3, 1>(row, column + 3) = end[port].w_WP.cross(e.cross(r_W));
-        dv.block<3, 1>(row, column + 6) = e;
-        dv.block<3, 1>(row, column + 9) = e.cross(r_W);
-        dd.block<3, 1>(row, column) = e;
-        dd.block<3, 1>(row, column + 3) = e.cross(r_W);
-      }
-    }
-  }
-  if (!map.prescribed_position) dd = map.c_x * dv;
-
-  const auto free_rows = 3 * static_cast<Eigen::Index>(model_.free.size());
-  Eigen::MatrixXd delta(free_rows, 12 * ports);
-  Eigen::VectorXd norms(12 * ports);
-  for (Eigen::Index c = 0; c < 12 * ports; ++c) {
-    delta.col(c) =
-        -gather(change(dv.col(c), dd.col(c), map.c_a_prescribed * dv.col(c)), model_.free);
-    norms(c) = delta.col(c).norm();
-  }
-  SolveReport report = kept.solver->solve(delta, norms);
-  if (report.outcome == Outcome::Failed) return report;
-
-  jacobian.setZero(6 * ports, 12 * ports);
-  for (Eigen::Index c = 0; c < 12 * ports; ++c) {
-    Eigen::VectorXd dv_all = dv.col(c);
-    Eigen::VectorXd dd_all = dd.col(c);
-    Eigen::VectorXd da_all = map.c_a_prescribed * dv.col(c);
-    scatter_add(delta.col(c), model_.free, dv_all);
-    scatter_add(map.c_x * delta.col(c), model_.free, dd_all);
-    scatter_add(map.c_a * delta.col(c), model_.free, da_all);
-    jacobian.col(c) = stack(wrenches(end, change(dv_all, dd_all, da_all) / map.theta));
-  }
-  // Turning the port turns the torque arms: −Σ (δθ × r) × g.
-  for (Eigen::Index p = 0; p < ports; ++p) {
-    const auto port = static_cast<std::size_t>(p);
-    const Eigen::Matrix3d R_WP = end[port].q_WP.toRotationMatrix();
-    for (std::size_t k = 0; k < arms_[port].size(); ++k) {
-      const Eigen::Vector3d r_W = R_WP * arms_[port][k];
-      const Eigen::Vector3d g = result.react.segment<3>(3 * model_.ports[port].nodes[k]);
-      for (int axis = 0; axis < 3; ++axis) {
-        jacobian.block<3, 1>(6 * p + 3, 12 * p + 3 + axis) -=
-            Eigen::Vector3d::Unit(axis).cross(r_W).cross(g);
-      }
-    }
-  }
-  return report;
 }
 
 }  // namespace tandem::fem

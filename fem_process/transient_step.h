@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "fem_process/model.h"
@@ -29,6 +30,10 @@ struct Linearisation {
 /// Port nodes' arms in port axes: r_i = R_WP(0)ᵀ (X_i − p_WP(0)), per port and node (m).
 using PortArms = std::vector<std::vector<Eigen::Vector3d>>;
 
+/// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ R_WP r_i × g_i.
+[[nodiscard]] WrenchSet port_wrenches(const Model& model, const PortArms& arms,
+                                      const MotionSet& motions, const Eigen::VectorXd& react);
+
 /// Makes single steps of a model. Const but for the scratch it is handed.
 class TransientStep {
  public:
@@ -44,17 +49,14 @@ class TransientStep {
     SolveReport report;
     State state;
     WrenchSet wrenches;
+    Eigen::VectorXd d;      ///< x⁺ − x̃ as the balance of forces has it (m)
     Eigen::VectorXd react;  ///< nodal reactions at the end (N)
   };
   /// One step of length h to the motions at its end. `kept` is filled unless it belongs to this
   /// state and h already; equal bits either way.
   Result advance(const State& begin, const MotionSet& end, SimTime h, Linearisation& kept) const;
 
-  /// Exact derivative of the end wrenches with respect to the end motions of the step that `result`
-  /// came from, 6P × 12P: one solve per direction that moves port nodes, plus the turning of the
-  /// torque arms.
-  SolveReport linearize(const MotionSet& end, const Result& result, Linearisation& kept,
-                        InterfaceJacobian& jacobian) const;
+  [[nodiscard]] const PortArms& arms() const { return arms_; }
 
  private:
   struct Balance {
@@ -66,7 +68,8 @@ class TransientStep {
   [[nodiscard]] Balance balance(const Linearisation& kept, const State& begin,
                                 const Eigen::VectorXd& f_ext, const Eigen::VectorXd& v,
                                 const Eigen::VectorXd& d, const Eigen::VectorXd& a) const;
-  [[nodiscard]] WrenchSet wrenches(const MotionSet& motions, const Eigen::VectorXd& react) const;
+  void solve(const State& begin, const Eigen::VectorXd& f_ext, const Linearisation& kept,
+             Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
   [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
 
   const Model& model_;

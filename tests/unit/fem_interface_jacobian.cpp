@@ -93,6 +93,19 @@ TEST(FemInterfaceJacobian, MatchesCentralDifferencesWithPcg) {
   EXPECT_LT(jacobian_error(params, 1, 1e-3), 1e-6);
 }
 
+// With several micro steps the end motion also acts through the interpolation, the state in between
+// and the turning of the elements there.
+TEST(FemInterfaceJacobian, MatchesCentralDifferencesOverMicroSteps) {
+  EXPECT_LT(jacobian_error(bar_with_two_ports(), 3, 1e-4), 1e-5);
+}
+
+TEST(FemInterfaceJacobian, MatchesCentralDifferencesOverHhtMicroSteps) {
+  Params params = bar_with_two_ports();
+  params.integrator = {.kind = IntegratorKind::Hht, .hht_alpha = -0.1};
+  params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
+  EXPECT_LT(jacobian_error(params, 3, 1e-4), 1e-5);
+}
+
 // Backward Euler takes port displacements from velocities: the port's position has no influence.
 TEST(FemInterfaceJacobian, HasNoPositionColumnsForBackwardEuler) {
   FlexibleBody body(bar_with_two_ports());

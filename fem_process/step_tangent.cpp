@@ -1,0 +1,190 @@
+#include "fem_process/step_tangent.h"
+
+#include <Eigen/Geometry>
+#include <utility>
+
+#include "fem_process/node_vectors.h"
+
+namespace tandem::fem {
+namespace {
+
+/// Motion with one of its 12 coordinates (see difference()) changed by `amount`.
+Motion nudged(Motion motion, Eigen::Index coordinate, double amount) {
+  const Eigen::Vector3d axis = Eigen::Vector3d::Unit(coordinate % 3);
+  switch (coordinate / 3) {
+    case 0:
+      motion.p_WP += amount * axis;
+      break;
+    case 1:
+      motion.q_WP = Eigen::Quaterniond(Eigen::AngleAxisd(amount, axis)) * motion.q_WP;
+      break;
+    case 2:
+      motion.v_WP += amount * axis;
+      break;
+    default:
+      motion.w_WP += amount * axis;
+  }
+  return motion;
+}
+
+}  // namespace
+
+/// The interpolation is linear in p, v, w of the end (central differences are exact) and smooth in
+/// the angle, where 1e-4 rad leaves about 1e-9.
+MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s, SimTime H) {
+  MotionDerivative derivative(input.end.size(), Eigen::Matrix<double, 12, 12>::Identity());
+  if (s >= 1.0) return derivative;
+  const double amount = 1e-4;
+  for (std::size_t p = 0; p < input.end.size(); ++p) {
+    for (Eigen::Index c = 0; c < 12; ++c) {
+      const Segment<MotionSet> below{{input.begin[p]}, {nudged(input.end[p], c, -amount)}};
+      const Segment<MotionSet> above{{input.begin[p]}, {nudged(input.end[p], c, amount)}};
+      derivative[p].col(c) =
+          difference(interpolate(below, s, H), interpolate(above, s, H)) / (2.0 * amount);
+    }
+  }
+  return derivative;
+}
+
+/// Derivatives before the solve: free nodes with dv = 0, prescribed nodes with their final ones.
+///   dx_i = δp + δθ × r,   dv_i = δv + δw × r + w × (δθ × r),   r = R_WP r_i
+void StepTangent::prescribe(const MotionSet& end, const MotionDerivative& d_end,
+                            const TransientStep::Result& result, const Linearisation& kept,
+                            Eigen::Index column, Direction& direction) const {
+  const StepMap& map = kept.map;
+  const Eigen::Index n = result.state.x.size();
+  const bool started = direction.begin.x.size() > 0;
+  if (started) {
+    direction.map = model_.integrator->map(direction.begin, kept.h_s);
+    const Eigen::VectorXd y = model_.params.damping.beta_s * result.state.v + result.d;
+    direction.turning = model_.formulation->derivative(map.x_tilde, y, direction.map.x_tilde);
+  }
+  direction.dd = started ? direction.map.d_hat : Eigen::VectorXd::Zero(n);
+  direction.da = started ? direction.map.a_hat : Eigen::VectorXd::Zero(n);
+  direction.dv = Eigen::VectorXd::Zero(n);
+  direction.dx = Eigen::VectorXd::Zero(n);
+  const auto p = static_cast<std::size_t>(column / 12);
+  const Eigen::Matrix<double, 12, 1> change = d_end[p].col(column % 12);
+  const Eigen::Matrix3d R_WP = end[p].q_WP.toRotationMatrix();
+  for (std::size_t k = 0; k < arms_[p].size(); ++k) {
+    const Eigen::Vector3d r = R_WP * arms_[p][k];
+    const Eigen::Vector3d turn = change.segment<3>(3).cross(r);
+    const Eigen::Index at = 3 * model_.ports[p].nodes[k];
+    direction.dx.segment<3>(at) = change.segment<3>(0) + turn;
+    direction.dv.segment<3>(at) =
+        change.segment<3>(6) + change.segment<3>(9).cross(r) + end[p].w_WP.cross(turn);
+  }
+  for (int node : model_.prescribed) {
+    const Eigen::Index at = 3 * node;
+    Eigen::Vector3d da = map.c_a_prescribed * direction.dv.segment<3>(at);
+    Eigen::Vector3d dd = map.prescribed_position ? Eigen::Vector3d(direction.dx.segment<3>(at))
+                                                 : map.c_x * direction.dv.segment<3>(at);
+    if (started) {
+      da += direction.map.a_hat_prescribed.segment<3>(at);
+      if (map.prescribed_position) {
+        dd -= direction.map.x_tilde.segment<3>(at);
+      } else {
+        dd += direction.map.d_hat.segment<3>(at);
+      }
+    }
+    direction.da.segment<3>(at) = da;
+    direction.dd.segment<3>(at) = dd;
+  }
+  direction.moves = started || direction.dv.squaredNorm() + direction.dd.squaredNorm() > 0.0;
+}
+
+/// Derivative of r = C v + f_int − f_ext.
+Eigen::VectorXd StepTangent::force(const Direction& direction, const Linearisation& kept) const {
+  const Damping& damping = model_.params.damping;
+  Eigen::VectorXd change =
+      multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv + direction.dd);
+  if (damping.alpha_per_s > 0.0) {
+    change += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, direction.dv);
+  }
+  if (direction.turning.size() > 0) change += direction.turning;
+  return change;
+}
+
+/// Derivative of M a + θ r + (1 − θ) r_n.
+Eigen::VectorXd StepTangent::residual(const Direction& direction, const Eigen::VectorXd& force,
+                                      const Linearisation& kept) const {
+  const double theta = kept.map.theta;
+  Eigen::VectorXd change =
+      multiply_scalar(model_.pattern(), model_.mass, direction.da) + theta * force;
+  if (direction.begin.force.size() > 0) change += (1.0 - theta) * direction.begin.force;
+  return change;
+}
+
+/// Wrench derivatives of one direction, and the derivative of the new state.
+///   df = −Σ dg,   dt = −Σ r × dg − Σ (δθ × r) × g
+void StepTangent::finish(const MotionSet& end, const MotionDerivative& d_end,
+                         const TransientStep::Result& result, const Linearisation& kept,
+                         Eigen::Index column, Direction& direction) {
+  Eigen::VectorXd d_force = force(direction, kept);
+  Eigen::VectorXd d_react = residual(direction, d_force, kept);
+  if (direction.begin.react.size() > 0) {
+    d_react -= (1.0 - kept.map.theta) * direction.begin.react;
+  }
+  d_react /= kept.map.theta;
+  for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
+  jacobian_.col(column) = stack(port_wrenches(model_, arms_, end, d_react));
+  const auto p = static_cast<std::size_t>(column / 12);
+  const Eigen::Vector3d turn = d_end[p].block<3, 1>(3, column % 12);
+  const Eigen::Matrix3d R_WP = end[p].q_WP.toRotationMatrix();
+  for (std::size_t k = 0; k < arms_[p].size(); ++k) {
+    const Eigen::Vector3d g = result.react.segment<3>(3 * model_.ports[p].nodes[k]);
+    jacobian_.block<3, 1>(6 * (column / 12) + 3, column) -= turn.cross(R_WP * arms_[p][k]).cross(g);
+  }
+
+  State after;
+  after.x = direction.dx;
+  for (int node : model_.free) {
+    after.x.segment<3>(3 * node) = direction.dd.segment<3>(3 * node);
+    if (direction.begin.x.size() > 0) {
+      after.x.segment<3>(3 * node) += direction.map.x_tilde.segment<3>(3 * node);
+    }
+  }
+  if (model_.integrator->keeps_history()) {
+    after.a_mean = direction.dv / kept.h_s;
+    if (direction.begin.v.size() > 0) after.a_mean -= direction.begin.v / kept.h_s;
+    after.a = direction.da;
+    after.force = std::move(d_force);
+    after.react = std::move(d_react);
+  }
+  after.v = direction.dv;
+  direction.begin = std::move(after);
+}
+
+SolveReport StepTangent::advance(const MotionSet& end, const MotionDerivative& d_end,
+                                 const TransientStep::Result& result, const Linearisation& kept) {
+  const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
+  directions_.resize(static_cast<std::size_t>(columns));
+  jacobian_.setZero(columns / 2, columns);
+  std::vector<Eigen::Index> moving;
+  Eigen::MatrixXd delta(3 * static_cast<Eigen::Index>(model_.free.size()), columns);
+  Eigen::VectorXd norms(columns);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    Direction& direction = directions_[static_cast<std::size_t>(c)];
+    prescribe(end, d_end, result, kept, c, direction);
+    if (!direction.moves) continue;
+    const auto k = static_cast<Eigen::Index>(moving.size());
+    delta.col(k) = -gather(residual(direction, force(direction, kept), kept), model_.free);
+    norms(k) = delta.col(k).norm();
+    moving.push_back(c);
+  }
+  delta.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(moving.size()));
+  if (moving.empty()) return {};
+  const SolveReport report = kept.solver->solve(delta, norms);
+  if (report.outcome == Outcome::Failed) return report;
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    Direction& direction = directions_[static_cast<std::size_t>(moving[k])];
+    const Eigen::VectorXd column = delta.col(static_cast<Eigen::Index>(k));
+    scatter_add(column, model_.free, direction.dv);
+    scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
+    scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
+    finish(end, d_end, result, kept, moving[k], direction);
+  }
+  return report;
+}
+
+}  // namespace tandem::fem

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fem_process/model.h"
+#include "fem_process/state.h"
+#include "fem_process/transient_step.h"
+#include "protocol/contract/segment.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem::fem {
+
+/// Derivative of an interpolated port motion with respect to the motion at the segment's end, in
+/// the local coordinates of difference(), one 12 × 12 block per port.
+using MotionDerivative = std::vector<Eigen::Matrix<double, 12, 12>>;
+[[nodiscard]] MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s,
+                                                        SimTime H);
+
+/// Exact derivative of a macro step's wrenches with respect to the motions at its end: carries the
+/// derivatives of the whole state through the micro steps. Every direction costs one solve with the
+/// micro step's factorisation; from the second micro step on also the directional derivative of the
+/// internal forces, since the linearisation points then depend on the input.
+class StepTangent {
+ public:
+  /// At the start of a macro step the state does not depend on its input. References are kept.
+  StepTangent(const Model& model, const PortArms& arms) : model_(model), arms_(arms) {}
+
+  /// Carries the derivatives through the micro step that `result` and `kept` came from.
+  SolveReport advance(const MotionSet& end, const MotionDerivative& d_end,
+                      const TransientStep::Result& result, const Linearisation& kept);
+
+  /// 6P × 12P, of the wrenches after the last micro step.
+  [[nodiscard]] const InterfaceJacobian& jacobian() const { return jacobian_; }
+
+ private:
+  /// What changes with one coordinate of one port's end motion.
+  struct Direction {
+    State begin;              ///< derivative of the state before the micro step; empty: zero
+    StepMap map;              ///< derivative of the step's affine maps
+    Eigen::VectorXd dx;       ///< prescribed nodes: of x⁺
+    Eigen::VectorXd dv;       ///< of v⁺
+    Eigen::VectorXd dd;       ///< of x⁺ − x̃
+    Eigen::VectorXd da;       ///< of a⁺
+    Eigen::VectorXd turning;  ///< of f_int(x̃) + K(x̃) y at fixed y = β v⁺ + d
+    bool moves = false;       ///< false: nothing changes
+  };
+  void prescribe(const MotionSet& end, const MotionDerivative& d_end,
+                 const TransientStep::Result& result, const Linearisation& kept,
+                 Eigen::Index column, Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd force(const Direction& direction, const Linearisation& kept) const;
+  [[nodiscard]] Eigen::VectorXd residual(const Direction& direction, const Eigen::VectorXd& force,
+                                         const Linearisation& kept) const;
+  void finish(const MotionSet& end, const MotionDerivative& d_end,
+              const TransientStep::Result& result, const Linearisation& kept, Eigen::Index column,
+              Direction& direction);
+
+  const Model& model_;
+  const PortArms& arms_;
+  std::vector<Direction> directions_;
+  InterfaceJacobian jacobian_;
+};
+
+}  // namespace tandem::fem
