@@ -1,0 +1,47 @@
+# shellcheck shell=bash
+# shellcheck disable=SC2034  # the lists are used by those who source this
+# Sourced by demo.sh and test.sh: the Debian packages that Tandem needs, and install_missing.
+# Every find_package, pkg_check_modules, find_library and find_program of the build is served here.
+
+# To build and to run.
+build_packages=(
+  g++ cmake ninja-build pkg-config
+  libeigen3-dev                                          # linear algebra
+  libode-dev                                             # rigid bodies
+  libsuitesparse-dev libopenblas0-pthread libopenblas-dev  # sparse Cholesky
+  liblcm-dev liblcm-bin libglib2.0-dev                   # LCM; its pkg-config file needs glib's
+  libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev zlib1g-dev
+  libgtest-dev libbenchmark-dev                          # configuring includes the tests
+  iproute2                                               # multicast route of the scripts
+)
+# To check the formatting as well (Debian 12: clang-format 14).
+test_packages=(clang-format)
+
+# install_missing PACKAGE…: installs those that are not there yet; asks nothing.
+install_missing() {
+  local package missing=() as_root=()
+  if ! command -v dpkg-query >/dev/null; then
+    echo "This is not a Debian system: install the counterparts of these packages yourself:"
+    echo "  $*"
+    return 0
+  fi
+  for package in "$@"; do
+    if [[ $(dpkg-query -W -f='${db:Status-Status}\n' "$package" 2>/dev/null) != *installed* ]]; then
+      missing+=("$package")
+    fi
+  done
+  [[ ${#missing[@]} -eq 0 ]] && return 0
+
+  if [[ $EUID -ne 0 ]]; then
+    if ! command -v sudo >/dev/null; then
+      echo "These packages are missing, and there is neither root nor sudo to install them. As root:" >&2
+      echo "  apt-get update && apt-get install --no-install-recommends ${missing[*]}" >&2
+      return 1
+    fi
+    as_root=(sudo)
+  fi
+  echo "Installing ${#missing[@]} packages: ${missing[*]}"
+  as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 -qq)
+  "${as_root[@]}" update || echo "apt-get update failed: going on with the package lists that are here" >&2
+  "${as_root[@]}" install -y --no-install-recommends "${missing[@]}" >/dev/null
+}

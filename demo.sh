@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Builds Tandem and answers its question for one model: what does coupling cost?
+#   ./demo.sh [SCENARIO] [--repeat N]     default: examples/lug/scenario.yaml, 3 repeats
+set -euo pipefail
+exec </dev/null
+here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+scenario=$here/examples/lug/scenario.yaml
+repeat=3
+while [[ $# -gt 0 ]]; do
+  case "$1" in
+    -h | --help) sed -n '2,3s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    --repeat) repeat=${2:?--repeat needs a number}; shift 2 ;;
+    -*) echo "demo.sh: unknown option '$1'; there is --repeat N" >&2; exit 2 ;;
+    *) scenario=$(readlink -f "$1"); shift ;;
+  esac
+done
+cd "$here"
+source .ci/install.sh
+source .ci/network.sh
+
+install_missing "${build_packages[@]}"
+
+log=build/release/build.log
+mkdir -p build/release
+echo "Building tandem, tandem-mbs and tandem-fem (a few minutes the first time; log: $log) …"
+if ! { cmake --preset release && cmake --build --preset release --target tandem tandem-mbs tandem-fem; } \
+    >"$log" 2>&1; then
+  tail -n 40 "$log" >&2
+  echo "The build failed; the whole log is in $PWD/$log" >&2
+  exit 1
+fi
+
+cat <<TEXT
+
+Running ${scenario#"$here"/} $repeat times in each of three ways, by turns:
+  lcm         two processes: rigid bodies (ODE) and finite elements, exchanging over LCM
+  inproc      the same scheme in one process: the same bits, without transfer
+  monolithic  one coupled system per step: the reference for cost and for coupling error
+
+TEXT
+on_loopback build/release/bin/tandem compare "$scenario" --repeat "$repeat"
