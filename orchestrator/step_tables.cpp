@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <iterator>
 
@@ -12,19 +13,6 @@ constexpr const char* kStepsHeader =
     "macro_step,t_s,H_s,iterations,outcome,residual_N,energy_defect_J,mbs_compute_s,fem_compute_s,"
     "encode_s,decode_s,publish_s,transit_s,wait_s,scheme_s,record_s,other_s,discarded_s,messages,"
     "bytes,resent,duplicates,lost\n";
-
-std::string ports_header(const std::vector<std::string>& ports) {
-  std::string header = "t_s";
-  for (const std::string& port : ports) {
-    for (const char* column :
-         {"p_x_m", "p_y_m", "p_z_m", "q_w", "q_x", "q_y", "q_z", "v_x_m_per_s", "v_y_m_per_s",
-          "v_z_m_per_s", "w_x_rad_per_s", "w_y_rad_per_s", "w_z_rad_per_s", "f_x_N", "f_y_N",
-          "f_z_N", "t_x_Nm", "t_y_Nm", "t_z_Nm"}) {
-      header += fmt::format(",{}.{}", port, column);
-    }
-  }
-  return header + "\n";
-}
 
 const char* text_of(Outcome outcome) {
   switch (outcome) {
@@ -48,36 +36,19 @@ std::string step_row(const wire::StepRecord& step) {
                      l.resent, l.duplicates, l.lost);
 }
 
-std::string ports_row(SimTime time, const AcceptedInterface& interface) {
-  std::string row = fmt::format("{}", to_seconds(time));
-  const auto append = [&row](const auto& values) {
-    for (double value : values) fmt::format_to(std::back_inserter(row), ",{}", value);
-  };
-  for (std::size_t i = 0; i < interface.motions.size(); ++i) {
-    const Motion& m = interface.motions[i];
-    append(m.p_WP);
-    append(std::initializer_list<double>{m.q_WP.w(), m.q_WP.x(), m.q_WP.y(), m.q_WP.z()});
-    append(m.v_WP);
-    append(m.w_WP);
-    append(interface.wrenches[i].f_P_W);
-    append(interface.wrenches[i].t_P_W);
-  }
-  return row + "\n";
-}
-
 }  // namespace
 
 StepTables::StepTables(const std::filesystem::path& directory,
                        const std::vector<std::string>& ports)
     : steps_(directory / "steps.csv"), ports_(directory / "ports.csv") {
   steps_.write(kStepsHeader);
-  ports_.write(ports_header(ports));
+  ports_.write(interface_header(ports));
 }
 
 void StepTables::write(const wire::StepJournal& journal) {
   if (journal.step.macro_step > 0) steps_.write(step_row(journal.step));
   const AcceptedInterface interface = accepted_interface(journal);
-  if (!interface.motions.empty()) ports_.write(ports_row(journal.step.time, interface));
+  if (!interface.motions.empty()) ports_.write(interface_row(journal.step.time, interface));
 }
 
 void StepTables::flush() {
@@ -95,6 +66,50 @@ AcceptedInterface accepted_interface(const wire::StepJournal& journal) {
   }
   if (interface.motions.size() != interface.wrenches.size()) return {};
   return interface;
+}
+
+std::string interface_header(const std::vector<std::string>& ports) {
+  std::string header = "t_s";
+  for (const std::string& port : ports) {
+    for (const char* column :
+         {"p_x_m", "p_y_m", "p_z_m", "q_w", "q_x", "q_y", "q_z", "v_x_m_per_s", "v_y_m_per_s",
+          "v_z_m_per_s", "w_x_rad_per_s", "w_y_rad_per_s", "w_z_rad_per_s", "f_x_N", "f_y_N",
+          "f_z_N", "t_x_Nm", "t_y_Nm", "t_z_Nm"}) {
+      header += fmt::format(",{}.{}", port, column);
+    }
+  }
+  return header + "\n";
+}
+
+std::string interface_row(SimTime time, const AcceptedInterface& interface) {
+  std::string row = fmt::format("{}", to_seconds(time));
+  const auto append = [&row](const auto& values) {
+    for (double value : values) fmt::format_to(std::back_inserter(row), ",{}", value);
+  };
+  const auto append_motion = [&append](const Motion& m) {
+    append(m.p_WP);
+    append(std::initializer_list<double>{m.q_WP.w(), m.q_WP.x(), m.q_WP.y(), m.q_WP.z()});
+    append(m.v_WP);
+    append(m.w_WP);
+  };
+  // A call of one side may have failed before it had an output.
+  const std::size_t ports = std::max(interface.motions.size(), interface.wrenches.size());
+  const std::string no_motion(13, ',');
+  const std::string no_wrench(6, ',');
+  for (std::size_t i = 0; i < ports; ++i) {
+    if (i >= interface.motions.size()) {
+      row += no_motion;
+    } else {
+      append_motion(interface.motions[i]);
+    }
+    if (i >= interface.wrenches.size()) {
+      row += no_wrench;
+      continue;
+    }
+    append(interface.wrenches[i].f_P_W);
+    append(interface.wrenches[i].t_P_W);
+  }
+  return row + "\n";
 }
 
 }  // namespace tandem::orchestrator

@@ -32,4 +32,8 @@ struct AcceptedInterface {
 };
 [[nodiscard]] AcceptedInterface accepted_interface(const wire::StepJournal& journal);
 
+/// "t_s,<port>.p_x_m,…\n" and one row below it; components without a value stay empty.
+[[nodiscard]] std::string interface_header(const std::vector<std::string>& ports);
+[[nodiscard]] std::string interface_row(SimTime time, const AcceptedInterface& interface);
+
 }  // namespace tandem::orchestrator

@@ -1,0 +1,65 @@
+#include "orchestrator/log_export.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <iterator>
+
+#include "orchestrator/model.h"
+#include "orchestrator/step_tables.h"
+#include "protocol/contract/error.h"
+#include "protocol/wire/event_log.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+std::string call_row(const wire::CallRecord& call, SimTime time) {
+  return fmt::format(
+             "{},{},{},{},{},{},{},", call.macro_step, call.iteration, wire::text_of(call.side),
+             call.kind == wire::CallKind::Initialize ? "initialize" : "advance",
+             call.accepted ? 1 : 0, call.rollback_first ? 1 : 0, static_cast<int>(call.outcome)) +
+         interface_row(time, {call.motions.end, call.wrenches.end});
+}
+
+void put(std::FILE* out, const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), out) != text.size()) {
+    throw Error(ErrorKind::System,
+                fmt::format("cannot write the export: {}", std::strerror(errno)));
+  }
+}
+
+}  // namespace
+
+void export_csv(const RunDirectory& run, std::FILE* out) {
+  wire::LogReader log(run.log());
+  const Model model = load_model(run.scenario(), {});
+  put(out, "macro_step,iteration,side,kind,accepted,rollback,outcome," +
+               interface_header(model.port_names));
+  while (const auto journal = log.next_step()) {
+    for (const wire::CallRecord& call : journal->calls)
+      put(out, call_row(call, journal->step.time));
+  }
+  if (std::fflush(out) != 0) put(out, "\n");
+}
+
+std::string describe_log(const RunDirectory& run) {
+  wire::LogReader log(run.log());
+  std::int64_t steps = 0, calls = 0, discarded = 0;
+  while (const auto journal = log.next_step()) {
+    steps = journal->step.macro_step;
+    for (const wire::CallRecord& call : journal->calls) {
+      ++calls;
+      discarded += call.accepted ? 0 : 1;
+    }
+  }
+  return fmt::format(
+      "{}\n  run id       {:016x}\n  written by   {}\n  macro steps  {}\n  calls        {} ({} "
+      "discarded by rollback)\n  ends         {}\n",
+      run.log().string(), log.run_id(), log.scenario().versions, steps, calls, discarded,
+      log.finished() ? fmt::format("with its last event, exit code {} {}",
+                                   log.finished()->exit_code, log.finished()->message)
+                     : "without its last event: the run was cut off");
+}
+
+}  // namespace tandem::orchestrator

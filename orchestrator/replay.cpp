@@ -1,0 +1,185 @@
+#include "orchestrator/replay.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "orchestrator/output_difference.h"
+#include "orchestrator/side_launch.h"
+#include "orchestrator/text_file.h"
+#include "protocol/contract/error.h"
+#include "protocol/driver/side_process.h"
+#include "protocol/wire/event_log.h"
+#include "protocol/wire/remote_side.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+using wire::CallKind;
+using wire::CallRecord;
+using wire::Process;
+using wire::SideName;
+
+std::string read_text(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Input and output of a call, by side.
+template <class In>
+const Segment<In>& inputs(const CallRecord& call);
+template <>
+const Segment<WrenchSet>& inputs(const CallRecord& call) {
+  return call.wrenches;
+}
+template <>
+const Segment<MotionSet>& inputs(const CallRecord& call) {
+  return call.motions;
+}
+
+/// Makes a logged call again; the difference of what comes out, or nothing.
+template <class In, class Out>
+std::string repeat(const CallRecord& call, Subsystem<In, Out>& side,
+                   const std::vector<std::string>& ports, double tolerance) {
+  if (call.checkpoint_first) side.checkpoint();
+  if (call.rollback_first) side.rollback();
+  const Segment<In>& input = inputs<In>(call);
+  const Out& logged = inputs<Out>(call).end;
+  if (call.kind == CallKind::Initialize) {
+    return first_difference(logged, side.initialize(input.end), ports, tolerance);
+  }
+  const StepResult<Out> result =
+      side.advance({.step = call.step, .input = input, .linearize = call.linearize});
+  if (result.outcome != call.outcome) {
+    return fmt::format("logged outcome {}, replayed {} ({})", static_cast<int>(call.outcome),
+                       static_cast<int>(result.outcome), result.message);
+  }
+  if (call.outcome == Outcome::Failed) return {};
+  return first_difference(logged, result.output, ports, tolerance);
+}
+
+/// Replays all calls of the side's kind.
+template <class In, class Out>
+void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, SideName name,
+                const std::vector<std::string>& ports, double tolerance, ReplayReport& report) {
+  while (const auto journal = log.next_step()) {
+    for (const CallRecord& call : journal->calls) {
+      if (call.side != name) continue;
+      const std::string difference = repeat(call, side, ports, tolerance);
+      ++report.calls;
+      report.discarded_calls += call.accepted ? 0 : 1;
+      if (difference.empty()) continue;
+      report.difference =
+          fmt::format("{}: differs at macro step {}, iteration {}, {}", wire::text_of(name),
+                      call.macro_step, call.iteration, difference);
+      return;
+    }
+    report.macro_steps = journal->step.macro_step;
+  }
+}
+
+/// Runs `use` with the side as a process of its own, driven from here.
+template <class Remote, class Use>
+void with_process(const Model& model, const std::filesystem::path& folder, Process side, Use use) {
+  const RunDirectory directory = RunDirectory::create(folder, model.name);
+  write_text_file(directory.scenario(), model.scenario.resolved_yaml);
+  wire::BusOptions options;
+  options.self = Process::Orchestrator;
+  options.run_id = wire::random_run_id();
+  options.port = wire::free_port();
+  wire::Bus bus(options);
+  wire::Heartbeat heartbeat(bus, model.wire.timeout_s);
+  heartbeat.set_phase("replaying");
+  SideLaunch launch({side}, directory, options.run_id, options.port, false, false);
+  try {
+    wire::LivenessMonitor start(bus, {side}, model.wire.start_timeout_s);
+    while (!start.heard_from(side)) {
+      start.wait(0.02);
+      launch.supervise();
+    }
+  } catch (const Error&) {
+    launch.end_all(1.0);
+    throw;
+  }
+  wire::LivenessMonitor monitor(bus, {side}, model.wire.timeout_s);
+  Remote remote(bus, monitor,
+                {.side = side,
+                 .scenario_hash = model.scenario.hash,
+                 .port_names = model.port_names,
+                 .tandem_version = kTandemVersion});
+  use(remote);
+  remote.close();
+  launch.end_all(model.wire.timeout_s);
+}
+
+/// What the summary says the log should hold, against what it holds.
+std::string remark_on_end(const RunDirectory& run, const wire::LogReader& log,
+                          std::int64_t macro_steps) {
+  if (!log.truncated()) return {};
+  return fmt::format(
+      "{} ends behind macro step {} without its last event: the run was cut off, or "
+      "the file is damaged there",
+      run.log().string(), macro_steps);
+}
+
+/// Macro steps that summary.json of a finished run promises; 0 when there is none.
+std::int64_t promised_steps(const RunDirectory& run) {
+  std::ifstream stream(run.summary());
+  const auto summary = nlohmann::json::parse(stream, nullptr, false);
+  if (summary.is_discarded() || summary.value("status", "") != "done") return 0;
+  return summary.value("macro_steps", std::int64_t{0});
+}
+
+void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::LogReader& log,
+                 ReplayReport& report) {
+  const Model model = load_model(run.scenario(), {{"wire.driver", "orchestrator"}});
+  const auto check = [&](auto& side) {
+    replay_log(log, side, options.side, model.port_names, options.tolerance, report);
+  };
+  if (options.mode == Mode::Inproc) {
+    if (options.side == SideName::Mbs) return check(*make_mbs(model, {}));
+    return check(*make_fem(model, {}));
+  }
+  const auto folder = run.path() / fmt::format("replay-{}", wire::text_of(options.side));
+  std::filesystem::remove_all(folder);
+  if (options.side == SideName::Mbs) {
+    with_process<wire::RemoteMbs>(model, folder, Process::Mbs, check);
+  } else {
+    with_process<wire::RemoteFem>(model, folder, Process::Fem, check);
+  }
+}
+
+}  // namespace
+
+ReplayReport replay(const RunDirectory& run, const ReplayOptions& options) {
+  // What is wrong with the log shows only while it is read: any of it means "does not reproduce".
+  const auto read_or_differ = [](auto read) {
+    try {
+      return read();
+    } catch (const Error& error) {
+      if (std::string(error.what()).rfind("log: ", 0) != 0) throw;
+      throw Error(ErrorKind::ReplayDiffers, error.what());
+    }
+  };
+  return read_or_differ([&] {
+    wire::LogReader log(run.log());
+    require(
+        log.scenario().scenario_yaml == read_text(run.scenario()),
+        fmt::format("{} is not the scenario that {} was recorded with. Restore it, or run anew.",
+                    run.scenario().string(), run.log().string()));
+    ReplayReport report;
+    replay_side(run, options, log, report);
+    if (!report.difference.empty()) return report;
+    report.remark = remark_on_end(run, log, report.macro_steps);
+    if (promised_steps(run) > report.macro_steps) {
+      throw Error(ErrorKind::ReplayDiffers, fmt::format("{}; summary.json says {} macro steps",
+                                                        report.remark, promised_steps(run)));
+    }
+    return report;
+  });
+}
+
+}  // namespace tandem::orchestrator
