@@ -90,7 +90,7 @@ class LogReader {
   std::ifstream file_;
   std::int64_t size_ = 0;
   std::int64_t number_ = 0;
-  std::int64_t macro_step_ = 0;
+  std::int64_t macro_step_ = -1;  ///< the last one read whole
   std::uint64_t run_id_ = 0;
   ScenarioText scenario_;
   std::optional<Finished> finished_;

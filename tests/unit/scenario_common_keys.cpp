@@ -57,7 +57,6 @@ TEST(CommonKeys, AreReadAsWritten) {
   const OutputParams output = read_output(loaded.root);
   EXPECT_EQ(output.vtu_every_steps, 10);
   EXPECT_EQ(output.bodies_every_steps, 1);
-  EXPECT_EQ(output.energy_every_steps, 0);
 }
 
 struct BadValue {
@@ -95,8 +94,8 @@ TEST(CommonKeys, OneBadValuePerKeyIsRefusedAtItsPlace) {
        "number like 10."},
       {"vtu_every_steps: 10", "bodies_every_steps: -1",
        "scenario.yaml:8:30: output.bodies_every_steps: -1 is out of range. It must be ≥ 0."},
-      {"vtu_every_steps: 10", "energy_every_steps: often",
-       "scenario.yaml:8:30: output.energy_every_steps: 'often' is not a whole number. Write a "
+      {"vtu_every_steps: 10", "bodies_every_steps: often",
+       "scenario.yaml:8:30: output.bodies_every_steps: 'often' is not a whole number. Write a "
        "whole number like 10."},
   };
   for (const BadValue& bad : cases) {

@@ -66,7 +66,6 @@ fem:
 output:
   vtu_every_steps: 0
   bodies_every_steps: 1
-  energy_every_steps: 0
 )");
 }
 

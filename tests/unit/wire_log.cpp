@@ -143,7 +143,7 @@ TEST_F(WireLog, DamageIsReportedAtItsEventAndMacroStep) {
     FAIL() << "damage not noticed";
   } catch (const Error& error) {
     const std::string text = error.what();
-    EXPECT_NE(text.find("event 10 (behind macro step 3)"), std::string::npos) << text;
+    EXPECT_NE(text.find("event 10 (in macro step 4)"), std::string::npos) << text;
     EXPECT_NE(text.find("checksum"), std::string::npos) << text;
   }
 }
