@@ -96,14 +96,14 @@ TEST(FemInterfaceJacobian, MatchesCentralDifferencesWithPcg) {
 // With several micro steps the end motion also acts through the interpolation, the state in between
 // and the turning of the elements there.
 TEST(FemInterfaceJacobian, MatchesCentralDifferencesOverMicroSteps) {
-  EXPECT_LT(jacobian_error(bar_with_two_ports(), 3, 1e-4), 1e-5);
+  EXPECT_LT(jacobian_error(bar_with_two_ports(), 3, 1e-4), 1e-6);
 }
 
 TEST(FemInterfaceJacobian, MatchesCentralDifferencesOverHhtMicroSteps) {
   Params params = bar_with_two_ports();
   params.integrator = {.kind = IntegratorKind::Hht, .hht_alpha = -0.1};
   params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
-  EXPECT_LT(jacobian_error(params, 3, 1e-4), 1e-5);
+  EXPECT_LT(jacobian_error(params, 3, 1e-4), 1e-6);
 }
 
 // Backward Euler takes port displacements from velocities: the port's position has no influence.
