@@ -102,7 +102,8 @@ Key solver_key() {
           .only_when("kind", {"pcg"})
           .above(0)
           .below(1)
-          .by_default("1e-10")
+          // Iterative coupling converges to 1e-12 of the wrenches: the solver must be no coarser.
+          .by_default("1e-12")
           .doc_is("Residual at which PCG stops, relative to the right-hand side."),
       scenario::integer("max_iterations")
           .only_when("kind", {"pcg"})

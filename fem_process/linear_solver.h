@@ -13,7 +13,7 @@ enum class SolverKind { Cholmod, Pcg };
 
 struct SolverParams {
   SolverKind kind = SolverKind::Cholmod;
-  double tolerance = 1e-10;  ///< PCG: ‖b − A v‖₂ ≤ tolerance ‖b‖₂
+  double tolerance = 1e-12;  ///< PCG: ‖b − A v‖₂ ≤ tolerance ‖b‖₂
   int max_iterations = 5000;
 };
 
