@@ -127,9 +127,8 @@ LogReader::LogReader(const std::filesystem::path& file)
 }
 
 void LogReader::fail(const std::string& what) const {
-  throw Error(ErrorKind::Usage,
-              fmt::format("log: {} is damaged at event {} (in macro step {}): {}", name_,
-                          number_, macro_step_ + 1, what));
+  throw Error(ErrorKind::Usage, fmt::format("log: {} is damaged at event {} (in macro step {}): {}",
+                                            name_, number_, macro_step_ + 1, what));
 }
 
 std::optional<LogReader::RawEvent> LogReader::next_raw() {
