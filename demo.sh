@@ -20,11 +20,27 @@ source .ci/network.sh
 
 install_missing "${build_packages[@]}"
 
+# One line for every fifth of the build, of ninja's lines "[done/all] …".
+show_progress() {
+  local line percent shown=0
+  while IFS= read -r line; do
+    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    percent=$((100 * BASH_REMATCH[1] / BASH_REMATCH[2]))
+    if ((percent >= shown + 20)); then
+      shown=$((percent / 20 * 20))
+      echo "  $shown % built"
+    fi
+  done
+}
+build() {
+  cmake --preset release &&
+    cmake --build --preset release --target tandem tandem-mbs tandem-fem
+}
+
 log=build/release/build.log
 mkdir -p build/release
 echo "Building tandem, tandem-mbs and tandem-fem (a few minutes the first time; log: $log) …"
-if ! { cmake --preset release && cmake --build --preset release --target tandem tandem-mbs tandem-fem; } \
-    >"$log" 2>&1; then
+if ! build 2>&1 | tee "$log" | show_progress; then
   tail -n 40 "$log" >&2
   echo "The build failed; the whole log is in $PWD/$log" >&2
   exit 1
