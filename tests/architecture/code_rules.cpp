@@ -100,7 +100,7 @@ Findings find_leaking_libraries(const std::vector<SourceFile>& tree) {
         if (!name.starts_with(library.prefix) || begins_with_any(file.path, library.homes)) {
           continue;
         }
-        findings.push_back(fmt::format("{}:{}: <{}> belongs to {} alone", file.path, line, name,
+        findings.push_back(fmt::format("{}:{}: <{}> belongs to {}* alone", file.path, line, name,
                                        library.homes.front()));
       }
     });
