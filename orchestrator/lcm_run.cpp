@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <variant>
 
+#include "orchestrator/interruption.h"
 #include "orchestrator/side_launch.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/side_process.h"
@@ -36,7 +37,7 @@ class HubSink final : public StepSink {
     heartbeat_.set_macro_step(journal.step.macro_step);
     monitor_.set_macro_step(journal.step.macro_step);
     // Each supervision is two system calls a process: often enough for a person, and cheap.
-    if (journal.step.macro_step % 64 == 0) launch_.supervise();
+    if (journal.step.macro_step % 64 == 0) launch_.supervise({Process::Mbs, Process::Fem});
     return recorder_.record(std::move(journal));
   }
 
@@ -85,7 +86,7 @@ class LcmRun {
     double next_s = now_s() + 1.0;
     while (!monitor.heard_from(Process::Mbs) || !monitor.heard_from(Process::Fem)) {
       monitor.wait(0.02);
-      launch_.supervise();
+      launch_.supervise({Process::Mbs, Process::Fem});
       if (silent_ || now_s() < next_s) continue;
       next_s = now_s() + 1.0;
       const std::string text =
@@ -105,9 +106,10 @@ class LcmRun {
   wire::Finished record_from_mbs(wire::LivenessMonitor& monitor) {
     wire::JournalReceiver receiver(bus_, monitor, static_cast<int>(model_.wire.credit_window));
     std::optional<wire::Finished> finished;
+    double patience_end_s = 0.0;
     // The driver leaves once it knows that its last entry is recorded; the credit that says so may
-    // be lost, so go on listening until its process has ended.
-    while (!finished || !driver_left()) {
+    // be lost, so go on listening until its process has ended, or is frozen.
+    while (!finished || (!driver_left() && now_s() < patience_end_s)) {
       auto entry = receiver.next(0.02);
       supervise(monitor, finished.has_value());
       if (!entry) continue;
@@ -117,6 +119,7 @@ class LcmRun {
         recorder_.record(std::move(*journal));
       } else {
         finished = std::get<wire::Finished>(*entry);
+        patience_end_s = now_s() + model_.wire.timeout_s;
         monitor.release(Process::Mbs);
         monitor.release(Process::Fem);
       }
@@ -137,10 +140,11 @@ class LcmRun {
     if (const auto status = launch_.ended(Process::Fem); status && status->code == 0) {
       monitor.release(Process::Fem);  // it was told bye; the driver is about to finish
     }
-    launch_.supervise();
+    launch_.supervise({Process::Mbs});
   }
 
   wire::Finished drive_here(wire::LivenessMonitor& monitor) {
+    monitor.also_watch([this] { launch_.supervise({Process::Mbs, Process::Fem}); });
     const auto options = [&](Process side) {
       return wire::RemoteOptions{.side = side,
                                  .scenario_hash = model_.scenario.hash,
@@ -154,6 +158,7 @@ class LcmRun {
                                    {mbs, Locality::Elsewhere}, {fem, Locality::Elsewhere}, sink);
     const wire::BusCounts counts = bus_.counts();
     report.ledger.lost = counts.damaged + counts.dropped;
+    monitor.also_watch({});
     fem.close();
     monitor.release(Process::Fem);
     mbs.close();
@@ -167,7 +172,7 @@ class LcmRun {
     recorder_.flush();
     // A failing process says why before it goes: prefer its own words to "it ended".
     std::string text = error.what();
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < 20 && stop_signal() == 0; ++i) {
       try {
         wire::LivenessMonitor(bus_, {Process::Mbs, Process::Fem}, 3600.0).wait(0.01);
       } catch (const Error& said) {
@@ -180,6 +185,7 @@ class LcmRun {
     if (recorder_.recorded_steps() > 0) {
       text += fmt::format(" The log is complete up to macro step {}.", recorder_.recorded_steps());
     }
+    if (stop_signal() != 0) return text;  // the sides ended because they were told to
     for (const std::string& fate : fates) text += "\n  " + fate;
     return text;
   }

@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "orchestrator/commands.h"
+#include "orchestrator/interruption.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/side_process.h"
 
@@ -18,7 +19,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 done · 2 bad usage or scenario · 3 not converged or diverged ·\n"
-      "            4 a process failed or stopped answering · 5 replay differs.\n"
+      "            4 a process failed or stopped answering · 5 replay differs ·\n"
+      "            130 interrupted (Ctrl-C), 143 terminated.\n"
       "Start with:  tandem run examples/lug/scenario.yaml");
   int exit_code = 0;
   orchestrator::add_commands(app, exit_code);
@@ -28,7 +30,8 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return error.exit_code();
+    const int signal = orchestrator::stop_signal();
+    return signal != 0 ? 128 + signal : error.exit_code();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tandem: %s\n", error.what());
     return 4;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "orchestrator/interruption.h"
 #include "protocol/driver/side_process.h"
 
 namespace tandem::orchestrator {
@@ -22,6 +23,7 @@ double Recorder::record(wire::StepJournal journal) {
   if (watch_) watch_(accepted_interface(journal));
   recorded_steps_ = journal.step.macro_step;
   progress_.step(journal.step.macro_step, journal.step.iterations);
+  throw_if_interrupted();
   return 0.0;
 }
 

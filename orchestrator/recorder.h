@@ -22,6 +22,7 @@ class Recorder final : public StepSink {
  public:
   Recorder(const Model& model, const RunDirectory& directory, std::uint64_t run_id, bool silent);
 
+  /// Throws once a signal has asked to stop; the step is recorded then, too.
   double record(wire::StepJournal journal) override;
 
   /// Closes the log with how the run ended.

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "orchestrator/interruption.h"
 #include "orchestrator/output_difference.h"
 #include "orchestrator/side_launch.h"
 #include "orchestrator/text_file.h"
@@ -66,6 +67,7 @@ template <class In, class Out>
 void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, SideName name,
                 const std::vector<std::string>& ports, double tolerance, ReplayReport& report) {
   while (const auto journal = log.next_step()) {
+    throw_if_interrupted();
     for (const CallRecord& call : journal->calls) {
       if (call.side != name) continue;
       const std::string difference = repeat(call, side, ports, tolerance);
@@ -98,19 +100,21 @@ void with_process(const Model& model, const std::filesystem::path& folder, Proce
     wire::LivenessMonitor start(bus, {side}, model.wire.start_timeout_s);
     while (!start.heard_from(side)) {
       start.wait(0.02);
-      launch.supervise();
+      launch.supervise({side});
     }
   } catch (const Error&) {
     launch.end_all(1.0);
     throw;
   }
   wire::LivenessMonitor monitor(bus, {side}, model.wire.timeout_s);
+  monitor.also_watch([&] { launch.supervise({side}); });
   Remote remote(bus, monitor,
                 {.side = side,
                  .scenario_hash = model.scenario.hash,
                  .port_names = model.port_names,
                  .tandem_version = kTandemVersion});
   use(remote);
+  monitor.also_watch({});
   remote.close();
   launch.end_all(model.wire.timeout_s);
 }
@@ -155,6 +159,7 @@ void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::Lo
 }  // namespace
 
 ReplayReport replay(const RunDirectory& run, const ReplayOptions& options) {
+  const InterruptionGuard guard;
   // What is wrong with the log shows only while it is read: any of it means "does not reproduce".
   const auto read_or_differ = [](auto read) {
     try {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "orchestrator/interruption.h"
 #include "orchestrator/lcm_run.h"
 #include "orchestrator/local_run.h"
 #include "orchestrator/text_file.h"
@@ -31,9 +32,12 @@ ordered_json heading(const Model& model, Mode mode) {
 
 RunOutcome outcome_of_failure(const Model& model, Mode mode, int exit_code,
                               const std::string& message, std::int64_t recorded_steps) {
-  RunOutcome outcome{.exit_code = exit_code, .summary = heading(model, mode)};
+  // Whatever failed after a signal came, failed because of it: Ctrl-C reaches the sides as well.
+  const int signal = stop_signal();
+  RunOutcome outcome{.exit_code = signal != 0 ? 128 + signal : exit_code,
+                     .summary = heading(model, mode)};
   outcome.summary["scheme"] = to_string(model.coupling.scheme);
-  outcome.summary["status"] = "failed";
+  outcome.summary["status"] = signal != 0 ? "interrupted" : "failed";
   outcome.summary["message"] = message;
   outcome.summary["macro_steps"] = recorded_steps;
   return outcome;
@@ -54,6 +58,7 @@ std::string to_string(Mode mode) {
 }
 
 RunOutcome run_model(const Model& model, const RunDirectory& directory, const RunOptions& options) {
+  const InterruptionGuard guard;
   const std::uint64_t run_id = wire::random_run_id();
   Recorder recorder(model, directory, run_id, options.silent);
   recorder.watch(options.watch);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "orchestrator/interruption.h"
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
 
@@ -46,13 +47,20 @@ SideLaunch::~SideLaunch() {
   for (const auto& child : children_) child->process.end(0.0);
 }
 
-void SideLaunch::supervise() {
+void SideLaunch::supervise(std::initializer_list<wire::Process> needed) {
+  throw_if_interrupted();
   for (const auto& child : children_) {
     if (!silent_) child->tail.forward();
     const auto status = child->process.poll();
-    if (status && status->code != 0) {
+    if (!status) continue;
+    if (status->code != 0) {
       throw Error(kind_of(*status),
                   fmt::format("{} ended: {}", child->process.name(), status->text()));
+    }
+    if (std::find(needed.begin(), needed.end(), child->side) != needed.end()) {
+      throw Error(ErrorKind::Partner, fmt::format("{} ended with exit code 0 before the run was "
+                                                  "over",
+                                                  child->process.name()));
     }
   }
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,8 +21,9 @@ class SideLaunch {
              std::uint64_t run_id, int port, bool attach, bool silent);
   ~SideLaunch();
 
-  /// Forwards new log lines; throws a tandem::Error when a process has ended with a failure.
-  void supervise();
+  /// Forwards new log lines; throws a tandem::Error when a process has ended with a failure, when
+  /// one that is still `needed` has ended at all, and when a signal has asked this process to stop.
+  void supervise(std::initializer_list<wire::Process> needed);
 
   /// Whether this object started the side (with attach it did not).
   [[nodiscard]] bool started(wire::Process side) const;

@@ -130,9 +130,11 @@ int join_run(const SideProgram& program, const Options& options,
 }
 
 /// When the starting process dies, a process that is frozen must wake up to notice and to end.
-void wake_when_parent_dies(int parent_pid) {
+/// Ctrl-C at a terminal reaches all processes: the starting one ends the run in order.
+void follow_parent(int parent_pid) {
   if (parent_pid <= 0) return;
   prctl(PR_SET_PDEATHSIG, SIGCONT);
+  std::signal(SIGINT, SIG_IGN);
 }
 
 }  // namespace
@@ -148,7 +150,7 @@ int run_side_process(const SideProgram& program, int argc, char** argv,
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
-  wake_when_parent_dies(options.parent_pid);
+  follow_parent(options.parent_pid);
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   try {
     return join_run(program, options, body);

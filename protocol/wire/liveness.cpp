@@ -109,6 +109,7 @@ bool LivenessMonitor::wait(double seconds) {
   }
   // Only with an empty socket is it known what the partners have said up to now.
   check(now_s());
+  if (also_watch_) also_watch_();
   return false;
 }
 

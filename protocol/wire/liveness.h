@@ -3,9 +3,11 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "protocol/wire/bus.h"
@@ -62,6 +64,10 @@ class LivenessMonitor {
   /// code 0. The orchestrator calls this for each child that has left in peace.
   void release(Process partner);
 
+  /// `look` is called again and again while wait() has nothing to handle: what else may end the
+  /// waiting (a child process, a signal) throws from there.
+  void also_watch(std::function<void()> look) { also_watch_ = std::move(look); }
+
   /// For the error text.
   void set_macro_step(std::int64_t macro_step) { macro_step_ = macro_step; }
 
@@ -94,6 +100,7 @@ class LivenessMonitor {
   int parent_pid_;
   double last_check_s_ = 0.0;
   std::int64_t macro_step_ = 0;
+  std::function<void()> also_watch_;
 };
 
 }  // namespace tandem::wire

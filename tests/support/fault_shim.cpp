@@ -6,17 +6,25 @@
 //   TANDEM_FAULT_FLIP_PERCENT       one bit of the last 64 bytes flipped
 //   TANDEM_FAULT_SLEEP_US           sleeps a random time up to this before each datagram
 //   TANDEM_FAULT_SEED               seed; mixed with the program's name
+// With TANDEM_FAULT_PROGRAM, only the process of that name is disturbed. It may also end at a
+// chosen point of the exchange, before that datagram is sent:
+//   TANDEM_FAULT_END                how: kill, stop (SIGSTOP), or an exit code
+//   TANDEM_FAULT_END_KIND           … at a datagram whose channel ends so, e.g. "_reply"
+//   TANDEM_FAULT_END_COUNT          … the n-th of them [1]
 #include <dlfcn.h>
 #include <errno.h>
 #include <netinet/in.h>
+#include <signal.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <string>
 #include <vector>
 
 namespace {
@@ -27,6 +35,22 @@ using SendTo = ssize_t (*)(int, const void*, size_t, int, const sockaddr*, sockl
 double setting(const char* name) {
   const char* text = std::getenv(name);
   return text == nullptr ? 0.0 : std::atof(text);
+}
+
+std::string text_setting(const char* name) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? "" : text;
+}
+
+bool concerns_this_program() {
+  const std::string chosen = text_setting("TANDEM_FAULT_PROGRAM");
+  return chosen.empty() || chosen == program_invocation_short_name;
+}
+
+// A datagram of LCM begins with 8 bytes (magic, number); the channel follows, ended by a zero.
+std::string channel_of(const std::vector<char>& datagram) {
+  if (datagram.size() < 9) return {};
+  return {datagram.data() + 8, strnlen(datagram.data() + 8, datagram.size() - 8)};
 }
 
 struct Held {
@@ -47,6 +71,10 @@ struct Shim {
   SendTo send_to = reinterpret_cast<SendTo>(dlsym(RTLD_NEXT, "sendto"));
   SendMessage send_message = reinterpret_cast<SendMessage>(dlsym(RTLD_NEXT, "sendmsg"));
   Held held;
+  bool active = concerns_this_program();
+  std::string end = text_setting("TANDEM_FAULT_END");
+  std::string end_kind = text_setting("TANDEM_FAULT_END_KIND");
+  double end_count = setting("TANDEM_FAULT_END_COUNT");
 
   Shim() {
     for (const char* c = program_invocation_short_name; *c != '\0'; ++c) {
@@ -81,11 +109,20 @@ void send_held(Shim& s) {
   s.held.fd = -1;
 }
 
+void end_this_process_at(Shim& s, const std::vector<char>& datagram) {
+  if (s.end.empty() || !channel_of(datagram).ends_with(s.end_kind) || --s.end_count > 0.0) return;
+  if (s.end == "kill") kill(getpid(), SIGKILL);
+  if (s.end != "stop") _exit(std::atoi(s.end.c_str()));
+  s.end.clear();  // continued, it goes on
+  kill(getpid(), SIGSTOP);
+}
+
 ssize_t disturb(int fd, std::vector<char> bytes, int flags, const sockaddr* address,
                 socklen_t address_size) {
   Shim& s = shim();
   const std::lock_guard lock(s.mutex);
   const auto size = static_cast<ssize_t>(bytes.size());
+  end_this_process_at(s, bytes);
   if (s.sleep_us > 0.0) {
     const auto pause = static_cast<long>(s.next() % static_cast<std::uint64_t>(s.sleep_us + 1.0));
     const timespec time{pause / 1000000, (pause % 1000000) * 1000};
@@ -116,7 +153,9 @@ extern "C" {
 
 __attribute__((visibility("default"))) ssize_t sendmsg(int fd, const msghdr* message, int flags) {
   const auto* address = static_cast<const sockaddr*>(message->msg_name);
-  if (!is_multicast(address)) return shim().send_message(fd, message, flags);
+  if (!shim().active || !is_multicast(address)) {
+    return shim().send_message(fd, message, flags);
+  }
   std::vector<char> bytes;
   for (size_t i = 0; i < message->msg_iovlen; ++i) {
     const auto* begin = static_cast<const char*>(message->msg_iov[i].iov_base);
@@ -128,7 +167,9 @@ __attribute__((visibility("default"))) ssize_t sendmsg(int fd, const msghdr* mes
 __attribute__((visibility("default"))) ssize_t sendto(int fd, const void* data, size_t size,
                                                       int flags, const sockaddr* address,
                                                       socklen_t address_size) {
-  if (!is_multicast(address)) return shim().send_to(fd, data, size, flags, address, address_size);
+  if (!shim().active || !is_multicast(address)) {
+    return shim().send_to(fd, data, size, flags, address, address_size);
+  }
   const auto* begin = static_cast<const char*>(data);
   return disturb(fd, {begin, begin + size}, flags, address, address_size);
 }
