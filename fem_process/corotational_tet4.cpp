@@ -8,32 +8,13 @@
 namespace tandem::fem {
 namespace {
 
-/// Gradients of the shape functions: rows 1..3 are the inverse of the edge matrix.
-Eigen::Matrix<double, 4, 3> shape_gradients(const TetMesh& mesh, const Tet& tet) {
-  Eigen::Matrix3d edges;
-  for (int k = 0; k < 3; ++k) {
-    edges.col(k) = mesh.X[static_cast<std::size_t>(tet[static_cast<std::size_t>(k) + 1])] -
-                   mesh.X[static_cast<std::size_t>(tet[0])];
-  }
-  Eigen::Matrix<double, 4, 3> gradients;
-  gradients.bottomRows<3>() = edges.inverse();
-  gradients.row(0) = -gradients.bottomRows<3>().colwise().sum();
-  return gradients;
-}
-
 Tet4 make_element(const TetMesh& mesh, const Tet& tet, const Matrix6d& D,
                   const BlockPattern& pattern) {
-  Tet4 element;
-  element.nodes = tet;
-  element.gradients = shape_gradients(mesh, tet);
-  element.volume = signed_volume(mesh, tet);
+  Tet4 element{make_tet_shape(mesh, tet, pattern), {}};
   const Eigen::Matrix<double, 6, 12> B = strain_matrix(element.gradients);
   const Matrix12d K = element.volume * B.transpose() * D * B;
   // The product is symmetric up to round-off only; the solvers take one triangle.
   element.K = 0.5 * (K + K.transpose());
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t j = 0; j < 4; ++j) element.blocks[4 * i + j] = pattern.find(tet[i], tet[j]);
-  }
   return element;
 }
 
@@ -57,17 +38,6 @@ void add_rotated(const Tet4& element, const Eigen::Matrix3d& R, BlockValues& K) 
 
 }  // namespace
 
-Eigen::Matrix<double, 6, 12> strain_matrix(const Eigen::Matrix<double, 4, 3>& gradients) {
-  Eigen::Matrix<double, 6, 12> B = Eigen::Matrix<double, 6, 12>::Zero();
-  for (int i = 0; i < 4; ++i) {
-    const double x = gradients(i, 0);
-    const double y = gradients(i, 1);
-    const double z = gradients(i, 2);
-    B.block<6, 3>(0, 3 * i) << x, 0, 0, 0, y, 0, 0, 0, z, y, x, 0, 0, z, y, z, 0, x;
-  }
-  return B;
-}
-
 CorotationalTet4::CorotationalTet4(const TetMesh& mesh, const Material& material)
     : X_(3 * mesh.nodes()), D_(elasticity(material)), pattern_(pattern_of(mesh)) {
   check(material);
@@ -78,11 +48,7 @@ CorotationalTet4::CorotationalTet4(const TetMesh& mesh, const Material& material
 
 CorotationalTet4::Local CorotationalTet4::localise(const Tet4& element,
                                                    const Eigen::VectorXd& x) const {
-  Eigen::Matrix3d edges;
-  for (int k = 0; k < 3; ++k) {
-    edges.col(k) = x.segment<3>(3 * element.nodes[static_cast<std::size_t>(k) + 1]) -
-                   x.segment<3>(3 * element.nodes[0]);
-  }
+  const Eigen::Matrix3d edges = edges_of(element.nodes, x);
   const Eigen::Matrix3d F = edges * element.gradients.bottomRows<3>();
   const PolarRotation polar = polar_rotation(F);
   Local local{polar.R, F, Vector12d::Zero(), polar.inverted};

@@ -1,30 +1,19 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <vector>
 
 #include "fem_process/formulation.h"
 #include "fem_process/material.h"
 #include "fem_process/mesh.h"
+#include "fem_process/tet4.h"
 
 namespace tandem::fem {
 
-using Matrix12d = Eigen::Matrix<double, 12, 12>;
-using Vector12d = Eigen::Matrix<double, 12, 1>;
-
-/// Constants of one linear tetrahedron.
-struct Tet4 {
-  Tet nodes{};
-  Eigen::Matrix<double, 4, 3> gradients;  ///< rows ∂N_i/∂X (1/m)
-  double volume = 0.0;                    ///< m³
-  Matrix12d K;                            ///< V Bᵀ D B (N/m)
-  std::array<int, 16> blocks{};           ///< position of block (i, j) at 4 i + j
+/// Constants of one element.
+struct Tet4 : TetShape {
+  Matrix12d K;  ///< V Bᵀ D B (N/m)
 };
-
-/// Strain-displacement matrix of a linear tet, rows as in elasticity().
-[[nodiscard]] Eigen::Matrix<double, 6, 12> strain_matrix(
-    const Eigen::Matrix<double, 4, 3>& gradients);
 
 /// Simplified co-rotational linear tetrahedra [Marinkovic & Zehn 2012, eqs. (1)-(2)].
 ///   f_e = R K_e u,  u_i = Rᵀ (x_i − x_0) − (X_i − X_0),  R = polar(F),  K_R = Σ R K_e Rᵀ

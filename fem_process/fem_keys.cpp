@@ -43,7 +43,8 @@ Key mesh_key() {
 Key material_key() {
   Section material;
   material.title = "Material";
-  material.doc = "Isotropic linear elastic material in the co-rotated frame of each element.";
+  material.doc =
+      "Isotropic linear elastic material: stress and strain are those of the formulation.";
   material.keys = {
       scenario::real("young_Pa", "Pa").must().above(0).doc_is("Young's modulus."),
       scenario::real("poisson", "").must().above(-1).below(0.5).doc_is("Poisson's ratio."),
@@ -55,7 +56,7 @@ Key material_key() {
 Key damping_key() {
   Section damping;
   damping.title = "Damping";
-  damping.doc = "Rayleigh damping C = α M + β K with the co-rotated stiffness K.";
+  damping.doc = "Rayleigh damping C = α M + β K with the stiffness K of the formulation.";
   damping.keys = {
       scenario::real("alpha_per_s", "1/s")
           .at_least(0)
@@ -210,6 +211,13 @@ InitialVelocity read_initial_velocity(const Node& node) {
   return field;
 }
 
+FormulationKind read_formulation(const std::string& name) {
+  if (name == "linear") return FormulationKind::Linear;
+  if (name == "corotational_consistent") return FormulationKind::ConsistentCorotational;
+  if (name == "total_lagrangian") return FormulationKind::TotalLagrangian;
+  return FormulationKind::Corotational;
+}
+
 std::vector<SetName> read_sets(const Node& node, const char* key) {
   std::vector<SetName> sets;
   for (const std::string& name : node.names(key)) sets.push_back({name, node.place(key)});
@@ -221,10 +229,16 @@ std::vector<SetName> read_sets(const Node& node, const char* key) {
 Key fem_keys() {
   Section fem;
   fem.title = "Flexible body";
-  fem.doc = "A co-rotational finite-element body whose port nodes follow the ports rigidly.";
+  fem.doc = "A finite-element body whose port nodes follow the ports rigidly.";
   fem.keys = {
       mesh_key(),
       material_key(),
+      scenario::choice("formulation",
+                       {"linear", "corotational", "corotational_consistent", "total_lagrangian"})
+          .by_default("corotational")
+          .doc_is("Internal forces: small displacements; co-rotational with the simplified tangent "
+                  "of [MZ12], or with the rotation's derivative in the tangent; St. "
+                  "Venant-Kirchhoff in total Lagrangian form."),
       scenario::choice("mass", {"lumped", "consistent"})
           .by_default("consistent")
           .doc_is("A quarter of a tet's mass on each node, or ρ V/20 (1 + δ_ij)."),
@@ -257,6 +271,7 @@ Params read_params(const Node& root) {
   params.material = {.young_Pa = material.real("young_Pa"),
                      .poisson = material.real("poisson"),
                      .density_kg_per_m3 = material.real("density_kg_per_m3")};
+  params.formulation = read_formulation(fem.text("formulation"));
   params.mass = fem.text("mass") == "lumped" ? MassKind::Lumped : MassKind::Consistent;
   const Node damping = fem.section("damping");
   params.damping = {damping.real("alpha_per_s"), damping.real("beta_s")};

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "fem_process/corotational_tet4.h"
+#include "fem_process/make_formulation.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -41,7 +41,7 @@ double length_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set) {
 Model::Model(Params given) : params(std::move(given)) {
   check(params);
   mesh = read_mesh(params.mesh);
-  formulation = std::make_unique<CorotationalTet4>(mesh, params.material);
+  formulation = make_formulation(params.formulation, mesh, params.material);
   integrator = make_integrator(params.integrator);
   const double density = params.material.density_kg_per_m3;
   mass = mass_matrix(mesh, pattern(), density, params.mass);

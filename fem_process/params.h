@@ -15,7 +15,15 @@
 
 namespace tandem::fem {
 
-/// Rayleigh damping C = α M + β K_R: element damping forces R K_e Rᵀ v_e of all nodal velocities.
+/// How internal forces follow from positions; see make_formulation().
+enum class FormulationKind {
+  Linear,                  ///< small displacements
+  Corotational,            ///< simplified tangent Σ R K Rᵀ
+  ConsistentCorotational,  ///< the same forces, tangent with the rotation's derivative
+  TotalLagrangian          ///< St. Venant–Kirchhoff
+};
+
+/// Rayleigh damping C = α M + β K: K is the formulation's stiffness at the present positions.
 struct Damping {
   double alpha_per_s = 0.0;
   double beta_s = 0.0;
@@ -58,6 +66,7 @@ struct PortSet {
 struct Params {
   MeshParams mesh;
   Material material;
+  FormulationKind formulation = FormulationKind::Corotational;
   MassKind mass = MassKind::Consistent;
   Damping damping;
   IntegratorParams integrator;
