@@ -76,15 +76,22 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   };
   for (std::int64_t j = 1; j <= n && done.report.outcome != Outcome::Failed; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
+    const double s_torque = model_.integrator->torque_arms_at_begin()
+                                ? static_cast<double>(j - 1) / static_cast<double>(n)
+                                : s;
     const MotionSet end = interpolate(request.input, s, request.step);
+    const MotionSet torque_pose =
+        s_torque > 0.0 ? interpolate(request.input, s_torque, request.step) : request.input.begin;
     Linearisation& kept = kept_[j == 1 ? 0 : 1];
     const State from = std::move(done.last.state);
-    done.last = step_->advance(from, end, h, kept);
+    done.last = step_->advance(from, end, torque_pose, h, kept);
     done.last.state.generation = ++generations_;
     book(done.last.report, from.time + h);
     if (!request.linearize || done.report.outcome == Outcome::Failed) continue;
-    book(tangent.advance(end, interpolation_derivative(request.input, s, request.step), done.last,
-                         kept),
+    book(tangent.advance(
+             {end, interpolation_derivative(request.input, s, request.step)},
+             {torque_pose, interpolation_derivative(request.input, s_torque, request.step)},
+             done.last, kept),
          from.time + h);
   }
   if (done.report.outcome == Outcome::Failed) return done;

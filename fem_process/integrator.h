@@ -35,15 +35,22 @@ class Integrator {
   [[nodiscard]] virtual StepMap map(const State& state, double h_s) const = 0;
   /// Whether the state carries a, a_mean, force and react.
   [[nodiscard]] virtual bool keeps_history() const = 0;
+  /// Where the arms of the ports' torques stand: in the pose at the beginning of the step, or at
+  /// its end. See TransientStep::advance.
+  [[nodiscard]] virtual bool torque_arms_at_begin() const = 0;
 };
 
 /// x⁺ = x + h v⁺, a⁺ = (v⁺ − v)/h, θ = 1, x̃ = x: (M + h C + h² K_R) v⁺ = M v + h (f_ext⁺ −
 /// f_int(x)). First order, damps a mode of angular frequency ω by about ω² h/2 per second.
 /// Prescribed nodes enter with the displacement h v⁺ [Marinkovic & Zehn 2012].
+/// Angular momentum: x⁺ × M v⁺ − x × M v = x × M (v⁺ − v), because v⁺ × M v⁺ = 0. Forces that have
+/// no moment about the positions at the beginning make none, so a port's torque is taken there;
+/// with the arms at the end it would be wrong by h (w × r) × g, of the order of the step itself.
 class BackwardEuler final : public Integrator {
  public:
   [[nodiscard]] StepMap map(const State& state, double h_s) const override;
   [[nodiscard]] bool keeps_history() const override { return false; }
+  [[nodiscard]] bool torque_arms_at_begin() const override { return true; }
 };
 
 /// HHT-α [Hilber, Hughes, Taylor 1977], α in [−1/3, 0], second order:
@@ -61,6 +68,7 @@ class Hht final : public Integrator {
   explicit Hht(double alpha) : alpha_(alpha) {}
   [[nodiscard]] StepMap map(const State& state, double h_s) const override;
   [[nodiscard]] bool keeps_history() const override { return true; }
+  [[nodiscard]] bool torque_arms_at_begin() const override { return false; }
 
  private:
   double alpha_;

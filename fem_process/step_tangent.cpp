@@ -34,6 +34,10 @@ Motion nudged(Motion motion, Eigen::Index coordinate, double amount) {
 MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s, SimTime H) {
   MotionDerivative derivative(input.end.size(), Eigen::Matrix<double, 12, 12>::Identity());
   if (s >= 1.0) return derivative;
+  if (s <= 0.0) {
+    for (auto& block : derivative) block.setZero();
+    return derivative;
+  }
   const double amount = 1e-4;
   for (std::size_t p = 0; p < input.end.size(); ++p) {
     for (Eigen::Index c = 0; c < 12; ++c) {
@@ -48,9 +52,9 @@ MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, doubl
 
 /// Derivatives before the solve: free nodes with dv = 0, prescribed nodes with their final ones.
 ///   dx_i = δp + δθ × r,   dv_i = δv + δw × r + w × (δθ × r),   r = R_WP r_i
-void StepTangent::prescribe(const MotionSet& end, const MotionDerivative& d_end,
-                            const TransientStep::Result& result, const Linearisation& kept,
-                            Eigen::Index column, Direction& direction) const {
+void StepTangent::prescribe(const Motions& end, const TransientStep::Result& result,
+                            const Linearisation& kept, Eigen::Index column,
+                            Direction& direction) const {
   const StepMap& map = kept.map;
   const Eigen::Index n = result.state.x.size();
   const bool started = direction.begin.x.size() > 0;
@@ -64,15 +68,15 @@ void StepTangent::prescribe(const MotionSet& end, const MotionDerivative& d_end,
   direction.dv = Eigen::VectorXd::Zero(n);
   direction.dx = Eigen::VectorXd::Zero(n);
   const auto p = static_cast<std::size_t>(column / 12);
-  const Eigen::Matrix<double, 12, 1> change = d_end[p].col(column % 12);
-  const Eigen::Matrix3d R_WP = end[p].q_WP.toRotationMatrix();
+  const Eigen::Matrix<double, 12, 1> change = end.derivative[p].col(column % 12);
+  const Eigen::Matrix3d R_WP = end.value[p].q_WP.toRotationMatrix();
   for (std::size_t k = 0; k < arms_[p].size(); ++k) {
     const Eigen::Vector3d r = R_WP * arms_[p][k];
     const Eigen::Vector3d turn = change.segment<3>(3).cross(r);
     const Eigen::Index at = 3 * model_.ports[p].nodes[k];
     direction.dx.segment<3>(at) = change.segment<3>(0) + turn;
     direction.dv.segment<3>(at) =
-        change.segment<3>(6) + change.segment<3>(9).cross(r) + end[p].w_WP.cross(turn);
+        change.segment<3>(6) + change.segment<3>(9).cross(r) + end.value[p].w_WP.cross(turn);
   }
   for (int node : model_.prescribed) {
     const Eigen::Index at = 3 * node;
@@ -117,9 +121,8 @@ Eigen::VectorXd StepTangent::residual(const Direction& direction, const Eigen::V
 
 /// Wrench derivatives of one direction, and the derivative of the new state.
 ///   df = −Σ dg,   dt = −Σ r × dg − Σ (δθ × r) × g
-void StepTangent::finish(const MotionSet& end, const MotionDerivative& d_end,
-                         const TransientStep::Result& result, const Linearisation& kept,
-                         Eigen::Index column, Direction& direction) {
+void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result& result,
+                         const Linearisation& kept, Eigen::Index column, Direction& direction) {
   Eigen::VectorXd d_force = force(direction, kept);
   Eigen::VectorXd d_react = residual(direction, d_force, kept);
   if (direction.begin.react.size() > 0) {
@@ -127,10 +130,10 @@ void StepTangent::finish(const MotionSet& end, const MotionDerivative& d_end,
   }
   d_react /= kept.map.theta;
   for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
-  jacobian_.col(column) = stack(port_wrenches(model_, arms_, end, d_react));
+  jacobian_.col(column) = stack(port_wrenches(model_, arms_, torque_pose.value, d_react));
   const auto p = static_cast<std::size_t>(column / 12);
-  const Eigen::Vector3d turn = d_end[p].block<3, 1>(3, column % 12);
-  const Eigen::Matrix3d R_WP = end[p].q_WP.toRotationMatrix();
+  const Eigen::Vector3d turn = torque_pose.derivative[p].block<3, 1>(3, column % 12);
+  const Eigen::Matrix3d R_WP = torque_pose.value[p].q_WP.toRotationMatrix();
   for (std::size_t k = 0; k < arms_[p].size(); ++k) {
     const Eigen::Vector3d g = result.react.segment<3>(3 * model_.ports[p].nodes[k]);
     jacobian_.block<3, 1>(6 * (column / 12) + 3, column) -= turn.cross(R_WP * arms_[p][k]).cross(g);
@@ -155,7 +158,7 @@ void StepTangent::finish(const MotionSet& end, const MotionDerivative& d_end,
   direction.begin = std::move(after);
 }
 
-SolveReport StepTangent::advance(const MotionSet& end, const MotionDerivative& d_end,
+SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
                                  const TransientStep::Result& result, const Linearisation& kept) {
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
   directions_.resize(static_cast<std::size_t>(columns));
@@ -165,7 +168,7 @@ SolveReport StepTangent::advance(const MotionSet& end, const MotionDerivative& d
   Eigen::VectorXd norms(columns);
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];
-    prescribe(end, d_end, result, kept, c, direction);
+    prescribe(end, result, kept, c, direction);
     if (!direction.moves) continue;
     const auto k = static_cast<Eigen::Index>(moving.size());
     delta.col(k) = -gather(residual(direction, force(direction, kept), kept), model_.free);
@@ -182,7 +185,7 @@ SolveReport StepTangent::advance(const MotionSet& end, const MotionDerivative& d
     scatter_add(column, model_.free, direction.dv);
     scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
     scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
-    finish(end, d_end, result, kept, moving[k], direction);
+    finish(torque_pose, result, kept, moving[k], direction);
   }
   return report;
 }

@@ -26,8 +26,13 @@ class StepTangent {
   /// At the start of a macro step the state does not depend on its input. References are kept.
   StepTangent(const Model& model, const PortArms& arms) : model_(model), arms_(arms) {}
 
+  /// Motions of the ports and their derivatives.
+  struct Motions {
+    MotionSet value;
+    MotionDerivative derivative;
+  };
   /// Carries the derivatives through the micro step that `result` and `kept` came from.
-  SolveReport advance(const MotionSet& end, const MotionDerivative& d_end,
+  SolveReport advance(const Motions& end, const Motions& torque_pose,
                       const TransientStep::Result& result, const Linearisation& kept);
 
   /// 6P × 12P, of the wrenches after the last micro step.
@@ -45,15 +50,13 @@ class StepTangent {
     Eigen::VectorXd turning;  ///< of f_int(x̃) + K(x̃) y at fixed y = β v⁺ + d
     bool moves = false;       ///< false: nothing changes
   };
-  void prescribe(const MotionSet& end, const MotionDerivative& d_end,
-                 const TransientStep::Result& result, const Linearisation& kept,
+  void prescribe(const Motions& end, const TransientStep::Result& result, const Linearisation& kept,
                  Eigen::Index column, Direction& direction) const;
   [[nodiscard]] Eigen::VectorXd force(const Direction& direction, const Linearisation& kept) const;
   [[nodiscard]] Eigen::VectorXd residual(const Direction& direction, const Eigen::VectorXd& force,
                                          const Linearisation& kept) const;
-  void finish(const MotionSet& end, const MotionDerivative& d_end,
-              const TransientStep::Result& result, const Linearisation& kept, Eigen::Index column,
-              Direction& direction);
+  void finish(const Motions& torque_pose, const TransientStep::Result& result,
+              const Linearisation& kept, Eigen::Index column, Direction& direction);
 
   const Model& model_;
   const PortArms& arms_;

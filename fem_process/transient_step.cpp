@@ -41,11 +41,11 @@ void TransientStep::prescribe(const MotionSet& motions, Eigen::VectorXd& x,
   for (int node : model_.fixed) v.segment<3>(3 * node).setZero();
 }
 
-WrenchSet port_wrenches(const Model& model, const PortArms& arms, const MotionSet& motions,
+WrenchSet port_wrenches(const Model& model, const PortArms& arms, const MotionSet& pose,
                         const Eigen::VectorXd& react) {
   WrenchSet wrenches(arms.size());
   for (std::size_t p = 0; p < arms.size(); ++p) {
-    const Eigen::Matrix3d R_WP = motions[p].q_WP.toRotationMatrix();
+    const Eigen::Matrix3d R_WP = pose[p].q_WP.toRotationMatrix();
     for (std::size_t k = 0; k < arms[p].size(); ++k) {
       const Eigen::Vector3d g = react.segment<3>(3 * model.ports[p].nodes[k]);
       wrenches[p].f_P_W -= g;
@@ -154,7 +154,8 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   }
 }
 
-TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end, SimTime h,
+TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end,
+                                             const MotionSet& torque_pose, SimTime h,
                                              Linearisation& kept) const {
   linearise(begin, to_seconds(h), kept);
   Result result;
@@ -180,7 +181,7 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   for (int node : model_.free) {
     x.segment<3>(3 * node) = map.x_tilde.segment<3>(3 * node) + d.segment<3>(3 * node);
   }
-  result.wrenches = port_wrenches(model_, arms_, end, result.react);
+  result.wrenches = port_wrenches(model_, arms_, torque_pose, result.react);
   const Eigen::VectorXd loads =
       model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time));
   result.state.external_work_J = begin.external_work_J + 0.5 * loads.dot(x - begin.x);

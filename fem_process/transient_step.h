@@ -30,9 +30,9 @@ struct Linearisation {
 /// Port nodes' arms in port axes: r_i = R_WP(0)ᵀ (X_i − p_WP(0)), per port and node (m).
 using PortArms = std::vector<std::vector<Eigen::Vector3d>>;
 
-/// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ R_WP r_i × g_i.
+/// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ R_WP r_i × g_i with R_WP of `pose`.
 [[nodiscard]] WrenchSet port_wrenches(const Model& model, const PortArms& arms,
-                                      const MotionSet& motions, const Eigen::VectorXd& react);
+                                      const MotionSet& pose, const Eigen::VectorXd& react);
 
 /// Makes single steps of a model. Const but for the scratch it is handed.
 class TransientStep {
@@ -52,9 +52,11 @@ class TransientStep {
     Eigen::VectorXd d;      ///< x⁺ − x̃ as the balance of forces has it (m)
     Eigen::VectorXd react;  ///< nodal reactions at the end (N)
   };
-  /// One step of length h to the motions at its end. `kept` is filled unless it belongs to this
-  /// state and h already; equal bits either way.
-  Result advance(const State& begin, const MotionSet& end, SimTime h, Linearisation& kept) const;
+  /// One step of length h to the motions at its end; the arms of the ports' torques stand as in
+  /// `torque_pose`. `kept` is filled unless it belongs to this state and h already; equal bits
+  /// either way.
+  Result advance(const State& begin, const MotionSet& end, const MotionSet& torque_pose, SimTime h,
+                 Linearisation& kept) const;
 
   [[nodiscard]] const PortArms& arms() const { return arms_; }
 
