@@ -4,6 +4,7 @@
 #include <string>
 
 #include "protocol/wire/event_log.h"
+#include "tests/support/preload.h"
 #include "tests/support/wire_mock_sides.h"
 #include "tests/support/wire_run.h"
 
@@ -13,7 +14,7 @@ namespace {
 using test::Environment;
 using test::PeerRun;
 
-const std::string kShim = TANDEM_FAULT_SHIM;
+const std::string kShim = test::fault_shim(TANDEM_FAULT_SHIM);
 
 Environment faults_of(int percent) {
   return {{"LD_PRELOAD", kShim},
