@@ -2,20 +2,44 @@
 
 #include "fem_process/fem_keys.h"
 #include "fem_process/vtu_writer.h"
+#include "fem_process/watch_csv.h"
 #include "protocol/scenario/common_keys.h"
 
 namespace tandem::fem {
+namespace {
+
+/// The files of a run. The model lives as long as the body, which owns the function that uses them.
+struct Files {
+  std::optional<VtuWriter> vtu;
+  std::optional<WatchCsv> watch;
+};
+
+std::vector<std::string> names_of(const std::vector<SetName>& sets) {
+  std::vector<std::string> names;
+  for (const SetName& set : sets) names.push_back(set.name);
+  return names;
+}
+
+}  // namespace
 
 std::unique_ptr<FlexibleBody> make_side(const scenario::Node& root,
                                         const std::filesystem::path& directory) {
-  auto body = std::make_unique<FlexibleBody>(read_params(root));
-  const std::int64_t every_steps = scenario::read_output(root).vtu_every_steps;
-  if (directory.empty() || every_steps == 0) return body;
+  const Params params = read_params(root);
+  auto body = std::make_unique<FlexibleBody>(params);
+  if (directory.empty()) return body;
 
-  // shared_ptr: std::function must be copyable, although this one never is copied. The model lives
-  // as long as the body, which owns the function.
-  auto vtu = std::make_shared<VtuWriter>(body->model(), directory / "fem", "fem", every_steps);
-  body->on_accepted([vtu](const State& state) { vtu->write(state); });
+  // shared_ptr: std::function must be copyable, although this one never is copied.
+  auto files = std::make_shared<Files>();
+  const std::int64_t every_steps = scenario::read_output(root).vtu_every_steps;
+  if (every_steps > 0) files->vtu.emplace(body->model(), directory / "fem", "fem", every_steps);
+  if (!params.watch.empty()) files->watch.emplace(directory / "watch.csv", names_of(params.watch));
+  const SimTime end = scenario::read_run(root).duration;
+  body->on_accepted([files, end, &side = *body](const State& state) {
+    if (files->vtu) files->vtu->write(state);
+    if (!files->watch) return;
+    files->watch->write(side);
+    if (state.time >= end) files->watch->finish();
+  });
   return body;
 }
 
