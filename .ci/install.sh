@@ -7,6 +7,7 @@
 build_packages=(
   g++ cmake ninja-build pkg-config
   libeigen3-dev                                          # linear algebra
+  libspectra-dev                                         # eigenvalues
   libode-dev                                             # rigid bodies
   libsuitesparse-dev libopenblas0-pthread libopenblas-dev  # sparse Cholesky
   liblcm-dev liblcm-bin libglib2.0-dev                   # LCM; its pkg-config file needs glib's

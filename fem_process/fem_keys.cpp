@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "fem_process/analysis_keys.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
 #include "protocol/scenario/law.h"
@@ -129,17 +130,22 @@ Key loads_key() {
       scenario::text("set").must().doc_is("Node set or surface of the mesh."),
       scenario::reals("force_N", "N")
           .count(3)
-          .only_when("kind", {"nodal"})
-          .doc_is("Total force for a value 1 of the law."),
+          .doc_is("Total force for a value 1 of the law; on a surface it is spread as a uniform "
+                  "traction."),
       scenario::reals("traction_Pa", "Pa")
           .count(3)
           .only_when("kind", {"surface"})
-          .doc_is("Force per reference area for a value 1 of the law."),
+          .doc_is("Force per reference area for a value 1 of the law, in place of force_N."),
       scenario::law("law", "").by_default("1").doc_is("Factor as a function of time."),
   };
   load.check = [](const Node& node) {
-    const std::string value = node.text("kind") == "nodal" ? "force_N" : "traction_Pa";
-    if (!node.has(value)) node.fail("kind", "needs " + value + ": [x, y, z].");
+    const bool nodal = node.text("kind") == "nodal";
+    if (node.has("force_N") && node.has("traction_Pa")) {
+      node.fail("traction_Pa", "stands beside force_N. Give one of them.");
+    }
+    if (node.has("force_N") || node.has("traction_Pa")) return;
+    node.fail("kind", nodal ? "needs force_N: [x, y, z]."
+                            : "needs traction_Pa: [x, y, z] or force_N: [x, y, z].");
   };
   return scenario::sections("loads", std::move(load)).doc_is("Loads on the mesh.");
 }
@@ -194,8 +200,10 @@ SolverParams read_solver(const Node& node) {
 Load read_load(const Node& node) {
   Load load;
   load.set = {node.text("set"), node.place("set")};
-  load.kind = node.text("kind") == "nodal" ? Load::Kind::Nodal : Load::Kind::Surface;
-  load.value = node.vector3(load.kind == Load::Kind::Nodal ? "force_N" : "traction_Pa");
+  load.kind = node.text("kind") == "nodal" ? Load::Kind::Nodal
+              : node.has("traction_Pa")    ? Load::Kind::Surface
+                                           : Load::Kind::SurfaceForce;
+  load.value = node.vector3(node.has("traction_Pa") ? "traction_Pa" : "force_N");
   load.law = scenario::read_law(node.section("law"));
   return load;
 }
@@ -259,6 +267,7 @@ Key fem_keys() {
       initial_velocity_key(),
       scenario::names("watch").by_default("[]").doc_is(
           "Node sets whose mean motion is written to the results."),
+      analysis_keys(),
   };
   return scenario::section("fem", std::move(fem)).must().doc_is("The flexible side.");
 }
@@ -277,9 +286,12 @@ Params read_params(const Node& root) {
   params.damping = {damping.real("alpha_per_s"), damping.real("beta_s")};
   params.integrator = read_integrator(fem.section("integrator"));
   params.solver = read_solver(fem.section("solver"));
-  const SimTime macro_step = scenario::read_run(root).macro_step;
-  params.micro_step =
-      fem.has("micro_step_s") ? sim_time_from_seconds(fem.real("micro_step_s")) : macro_step;
+  // Without `run` (static analysis, modes) no step is made: any length is good.
+  const SimTime macro_step =
+      root.has("run") ? scenario::read_run(root).macro_step : SimTime(1'000'000'000);
+  params.micro_step = root.has("run") && fem.has("micro_step_s")
+                          ? sim_time_from_seconds(fem.real("micro_step_s"))
+                          : macro_step;
   if (params.micro_step <= SimTime{} || macro_step % params.micro_step != SimTime{}) {
     fem.fail("micro_step_s", "the macro step of " + std::to_string(to_seconds(macro_step)) +
                                  " s is not a whole multiple of it.");
@@ -291,6 +303,7 @@ Params read_params(const Node& root) {
     for (const Node& load : fem.list("loads")) params.loads.push_back(read_load(load));
   }
   params.initial_velocity = read_initial_velocity(fem.section("initial_velocity"));
+  if (!root.has("ports")) return params;
   for (const scenario::PortParams& port : scenario::read_ports(root)) {
     PortSet set{.name = port.name, .set = {port.node_set, port.place}, .p_WP = std::nullopt};
     if (!port.at_body_frame) set.p_WP = port.p_WP;

@@ -9,7 +9,8 @@ namespace tandem::fem {
 /// Section `fem` of a scenario: the flexible body.
 [[nodiscard]] scenario::Key fem_keys();
 
-/// Reads the sections `fem`, `ports` and `run` (for the macro step, the default micro step).
+/// Reads the sections `fem`, `ports` and `run` (for the macro step, the default micro step). The
+/// last two may be absent where the table allows it.
 [[nodiscard]] Params read_params(const scenario::Node& root);
 
 }  // namespace tandem::fem

@@ -174,6 +174,16 @@ double signed_volume(const TetMesh& mesh, const Tet& tet) {
   return (X(1) - X(0)).cross(X(2) - X(0)).dot(X(3) - X(0)) / 6.0;
 }
 
+double diagonal_of(const TetMesh& mesh) {
+  Eigen::Vector3d low = mesh.X.front();
+  Eigen::Vector3d high = low;
+  for (const Eigen::Vector3d& X : mesh.X) {
+    low = low.cwiseMin(X);
+    high = high.cwiseMax(X);
+  }
+  return (high - low).norm();
+}
+
 double area(const TetMesh& mesh, const Triangle& triangle) {
   const auto X = [&](std::size_t k) { return mesh.X[static_cast<std::size_t>(triangle[k])]; };
   return 0.5 * (X(1) - X(0)).cross(X(2) - X(0)).norm();

@@ -64,6 +64,9 @@ struct SetName {
 /// opposite side, the convention of Gmsh and Abaqus.
 [[nodiscard]] double signed_volume(const TetMesh& mesh, const Tet& tet);
 
+/// Diagonal (m) of the bounding box.
+[[nodiscard]] double diagonal_of(const TetMesh& mesh);
+
 /// Area (m²) of a triangle of the mesh.
 [[nodiscard]] double area(const TetMesh& mesh, const Triangle& triangle);
 

@@ -28,13 +28,7 @@ double length_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set) {
   double sum = 0.0;
   for (int node : set.nodes) sum += (X(node) - centre).squaredNorm();
   const double length = std::sqrt(sum / static_cast<double>(set.nodes.size()));
-  Eigen::Vector3d low = mesh.X.front();
-  Eigen::Vector3d high = low;
-  for (const Eigen::Vector3d& point : mesh.X) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  const double diagonal = (high - low).norm();
+  const double diagonal = diagonal_of(mesh);
   return length > 1e-9 * diagonal ? length : diagonal;
 }
 
@@ -98,6 +92,16 @@ Eigen::VectorXd Model::initial_velocities() const {
                          field.gradient_per_s * arm);
   }
   return stacked(velocities);
+}
+
+Eigen::Vector3d mean_displacement(const Model& model, const SetName& set,
+                                  const Eigen::VectorXd& x) {
+  const std::vector<int>& nodes = find_set(model.mesh, set).nodes;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int node : nodes) {
+    sum += x.segment<3>(3 * node) - model.mesh.X[static_cast<std::size_t>(node)];
+  }
+  return sum / static_cast<double>(nodes.size());
 }
 
 Eigen::VectorXd Model::loads(double t_s) const {

@@ -53,6 +53,10 @@ class Model {
   LoadCase load_case_;
 };
 
+/// Mean displacement (m) of the nodes of a set at the positions x, not weighted.
+[[nodiscard]] Eigen::Vector3d mean_displacement(const Model& model, const SetName& set,
+                                                const Eigen::VectorXd& x);
+
 /// Root-mean-square distance (m) of a port's nodes from Po when the scenario states where Po is,
 /// else from their centroid. A port of one node, or of none away from Po, takes the diagonal of the
 /// mesh's bounding box: never zero.

@@ -39,8 +39,9 @@ struct IntegratorParams {
 /// A dead load (fixed direction in W, reference areas) times a law of time.
 struct Load {
   enum class Kind {
-    Nodal,   ///< `value` is the total force (N), in equal parts on the nodes of the set
-    Surface  ///< `value` is the traction (Pa), a third of each triangle's force on its corners
+    Nodal,        ///< `value` is the total force (N), in equal parts on the nodes of the set
+    Surface,      ///< `value` is the traction (Pa), a third of each triangle's force on its corners
+    SurfaceForce  ///< `value` is the total force (N) of such a uniform traction
   };
   Kind kind = Kind::Nodal;
   SetName set;

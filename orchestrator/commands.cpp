@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "orchestrator/compare.h"
+#include "orchestrator/fem_command.h"
 #include "orchestrator/log_export.h"
 #include "orchestrator/model.h"
 #include "orchestrator/replay.h"
@@ -269,6 +270,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_run(app, exit_code);
   add_compare(app, exit_code);
   add_replay(app, exit_code);
+  add_fem(app, exit_code);
   add_log(app);
   add_check(app);
   add_schema(app);

@@ -24,4 +24,15 @@ const scenario::Section& scenario_table() {
   return table;
 }
 
+const scenario::Section& fem_scenario_table() {
+  static const scenario::Section table = [] {
+    scenario::Section root = scenario_table();
+    for (scenario::Key& key : root.keys) {
+      if (key.name != "name" && key.name != "fem") key.required = false;
+    }
+    return root;
+  }();
+  return table;
+}
+
 }  // namespace tandem::orchestrator

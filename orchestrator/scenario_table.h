@@ -7,4 +7,7 @@ namespace tandem::orchestrator {
 /// The whole key table: what `tandem check` accepts and the JSON Schema and reference page show.
 [[nodiscard]] const scenario::Section& scenario_table();
 
+/// The same table for the flexible side alone: `run`, `coupling`, `ports` and `mbs` may be absent.
+[[nodiscard]] const scenario::Section& fem_scenario_table();
+
 }  // namespace tandem::orchestrator

@@ -4,5 +4,8 @@ tandem_test(fem_unit
     unit/fem_mesh.cpp unit/fem_momentum.cpp unit/fem_vtu.cpp
   LIBS fem LABELS unit)
 tandem_test(fem_contract SOURCES contract/fem_contract.cpp LIBS fem LABELS contract)
-tandem_test(fem_reference SOURCES reference/fem_reference.cpp LIBS fem LABELS reference)
+tandem_test(fem_reference
+  SOURCES reference/fem_modes.cpp reference/fem_reference.cpp reference/fem_statics.cpp
+    support/fem_reference_cases.cpp
+  LIBS fem LABELS reference)
 tandem_test(fem_convergence SOURCES convergence/fem_order.cpp LIBS fem LABELS convergence)

@@ -1,0 +1,202 @@
+#include "orchestrator/fem_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "fem_process/analysis_keys.h"
+#include "fem_process/fem_keys.h"
+#include "fem_process/flexible_body.h"
+#include "fem_process/modal_analysis.h"
+#include "fem_process/static_analysis.h"
+#include "fem_process/vtu_writer.h"
+#include "orchestrator/run_directory.h"
+#include "orchestrator/scenario_table.h"
+#include "orchestrator/text_file.h"
+#include "protocol/contract/error.h"
+#include "protocol/driver/side_process.h"
+#include "protocol/scenario/common_keys.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// Mean displacement (m) of every watched set.
+ordered_json displacements(const fem::Model& model, const Eigen::VectorXd& x) {
+  ordered_json sets = ordered_json::object();
+  for (const fem::SetName& name : model.params.watch) {
+    sets[name.name] = to_json(fem::mean_displacement(model, name, x));
+  }
+  return sets;
+}
+
+ordered_json heading(const scenario::Node& root, const fem::Model& model,
+                     const std::string& analysis) {
+  return {{"tandem", kTandemVersion},
+          {"scenario", root.text("name")},
+          {"analysis", analysis},
+          {"formulation", root.section("fem").text("formulation")},
+          {"nodes", model.mesh.nodes()},
+          {"elements", model.mesh.tets.size()},
+          {"status", "done"},
+          {"message", ""}};
+}
+
+/// The scenario's flexible body with its port nodes fixed.
+fem::Params held_params(const scenario::Node& root) {
+  fem::Params params = fem::read_params(root);
+  for (fem::PortSet& port : params.ports) params.fixed.push_back(std::move(port.set));
+  params.ports.clear();
+  return params;
+}
+
+void book(const std::string& message, FemOutcome& outcome) {
+  if (message.empty()) return;
+  outcome.exit_code = 3;
+  outcome.results["status"] = "not_converged";
+  outcome.results["message"] = message;
+}
+
+FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& params,
+                      const std::filesystem::path& folder) {
+  const fem::Model model(held_params(root));
+  FemOutcome outcome{.results = heading(root, model, "static")};
+  fem::VtuWriter vtu(model, folder / "fem", "fem", 1);
+  ordered_json& rows = outcome.results["load_steps"] = ordered_json::array();
+  std::printf("%10s %11s %12s  %s\n", "factor", "iterations", "residual", "mean displacement (m)");
+  const fem::StaticResult result =
+      fem::StaticAnalysis(model, params).run([&](const fem::LoadStep& step) {
+        ordered_json row = {{"factor", step.factor},
+                            {"iterations", step.iterations},
+                            {"line_search", step.searched},
+                            {"cuts", step.cuts},
+                            {"residual", step.residual},
+                            {"inverted_elements", step.inverted_elements},
+                            {"displacement_m", displacements(model, step.x)}};
+        std::printf("%10.5g %11d %12.3g  %s\n", step.factor, step.iterations, step.residual,
+                    row["displacement_m"].dump().c_str());
+        rows.push_back(std::move(row));
+        // The collection's time is the load factor.
+        vtu.write({.time = sim_time_from_seconds(step.factor),
+                   .x = step.x,
+                   .v = Eigen::VectorXd::Zero(step.x.size())});
+      });
+  book(result.report.message, outcome);
+  return outcome;
+}
+
+FemOutcome run_modes(const scenario::Node& root, int count, const std::filesystem::path& folder) {
+  const fem::Model model(held_params(root));
+  FemOutcome outcome{.results = heading(root, model, "modes")};
+  const fem::Modes modes = fem::lowest_modes(model, count);
+  outcome.results["frequencies_Hz"] =
+      std::vector<double>(modes.frequencies_Hz.begin(), modes.frequencies_Hz.end());
+  fem::VtuWriter vtu(model, folder / "fem", "mode", 1);
+  const Eigen::VectorXd X = model.reference();
+  for (Eigen::Index i = 0; i < modes.shapes.cols(); ++i) {
+    std::printf("mode %3lld  %.8g Hz\n", static_cast<long long>(i + 1), modes.frequencies_Hz(i));
+    // Drawn with a largest displacement of a tenth of the part; the collection's time is the
+    // number of the mode.
+    const double scale =
+        0.1 * fem::diagonal_of(model.mesh) / modes.shapes.col(i).cwiseAbs().maxCoeff();
+    vtu.write({.time = sim_time_from_seconds(static_cast<double>(i + 1)),
+               .x = X + scale * modes.shapes.col(i),
+               .v = Eigen::VectorXd::Zero(X.size())});
+  }
+  return outcome;
+}
+
+FemOutcome run_transient(const scenario::Node& root, const std::filesystem::path& folder) {
+  require(root.has("run"), root.place().text() +
+                               ": a transient analysis needs the section 'run'. Add run: "
+                               "{duration_s: …, macro_step_s: …}.");
+  fem::FlexibleBody body(held_params(root));
+  const fem::Model& model = body.model();
+  FemOutcome outcome{.results = heading(root, model, "transient")};
+  std::optional<fem::VtuWriter> vtu;
+  if (const std::int64_t every = scenario::read_output(root).vtu_every_steps; every > 0) {
+    vtu.emplace(model, folder / "fem", "fem", every);
+  }
+  ordered_json& history = outcome.results["history"];
+  history["t_s"] = ordered_json::array();
+  history["displacement_m"] = ordered_json::object();
+  const auto record = [&] {
+    history["t_s"].push_back(to_seconds(body.state().time));
+    const ordered_json sets = displacements(model, body.state().x);
+    for (const auto& [set, mean] : sets.items()) history["displacement_m"][set].push_back(mean);
+    if (vtu) vtu->write(body.state());
+  };
+  body.initialize({});
+  record();
+  const scenario::RunParams run = scenario::read_run(root);
+  for (std::int64_t step = 0; step < run.macro_steps(); ++step) {
+    const StepResult<WrenchSet> result = body.advance({.step = run.macro_step, .input = {}});
+    book(result.message, outcome);
+    if (result.outcome != Outcome::Done) break;
+    record();
+  }
+  std::printf("%lld steps to t = %g s: %s\n", static_cast<long long>(history["t_s"].size()) - 1,
+              to_seconds(body.state().time), displacements(model, body.state().x).dump().c_str());
+  return outcome;
+}
+
+struct FemCommand {
+  std::string file;
+  std::string analysis;
+  std::string out;
+  std::vector<std::string> sets;
+
+  [[nodiscard]] int run() const {
+    std::vector<scenario::Override> overrides;
+    for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
+    const scenario::Loaded loaded = scenario::load(file, fem_scenario_table(), overrides);
+    const std::filesystem::path folder = RunDirectory::create_group(
+        out.empty() ? std::nullopt : std::optional<std::filesystem::path>(out),
+        loaded.root.text("name"), "fem");
+    const FemOutcome outcome = run_fem(loaded.root, analysis, folder);
+    write_text_file(folder / "scenario.yaml", loaded.resolved_yaml);
+    write_text_file(folder / "fem.json", outcome.results.dump(2) + "\n");
+    std::printf("%s\n", (folder / "fem.json").string().c_str());
+    if (outcome.exit_code != 0) {
+      std::fprintf(stderr, "%s\n", outcome.results["message"].get<std::string>().c_str());
+    }
+    return outcome.exit_code;
+  }
+};
+
+}  // namespace
+
+FemOutcome run_fem(const scenario::Node& root, const std::string& analysis,
+                   const std::filesystem::path& folder) {
+  const fem::AnalysisParams params = fem::read_analysis(root);
+  const std::string& kind = analysis.empty() ? params.kind : analysis;
+  if (kind == "modes") return run_modes(root, params.modes, folder);
+  if (kind == "transient") return run_transient(root, folder);
+  return run_static(root, params.statics, folder);
+}
+
+void add_fem(CLI::App& app, int& exit_code) {
+  auto command = std::make_shared<FemCommand>();
+  CLI::App* sub = app.add_subcommand(
+      "fem", "Analyse the flexible side alone: static load steps, eigenfrequencies, transient");
+  sub->add_option("SCENARIO", command->file, "Scenario file (YAML); run, ports, mbs may be absent")
+      ->required();
+  sub->add_option("--analysis", command->analysis, "static, modes or transient [fem.analysis.kind]")
+      ->check(CLI::IsMember({"static", "modes", "transient"}));
+  sub->add_option("--out", command->out,
+                  "Folder for fem.json and .vtu [runs/<scenario>/fem-<UTC time>]");
+  sub->add_option("--set", command->sets, "Override one key: --set fem.formulation=linear")
+      ->type_name("KEY=VALUE")
+      ->take_all();
+  sub->footer("Port nodes and fixed sets are held. Exit code 3 when no equilibrium was found.");
+  sub->callback([command, &exit_code] { exit_code = command->run(); });
+}
+
+}  // namespace tandem::orchestrator

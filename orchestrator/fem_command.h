@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "protocol/scenario/scenario_file.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tandem::orchestrator {
+
+/// `tandem fem`: the flexible side alone. Port nodes and fixed sets stay where they are.
+void add_fem(CLI::App& app, int& exit_code);
+
+/// What `tandem fem` writes as fem.json: analysis, nodes, elements, formulation, status, and
+///   static     load_steps: [{factor, iterations, …, displacement_m: {SET: mean [x, y, z]}}]
+///   modes      frequencies_Hz
+///   transient  history: {t_s, displacement_m: {SET: [[x, y, z], …]}}
+struct FemOutcome {
+  int exit_code = 0;
+  nlohmann::ordered_json results;
+};
+
+/// Runs one analysis and writes its .vtu files to `folder`/fem. `analysis` empty: the scenario's.
+[[nodiscard]] FemOutcome run_fem(const scenario::Node& root, const std::string& analysis,
+                                 const std::filesystem::path& folder);
+
+}  // namespace tandem::orchestrator
