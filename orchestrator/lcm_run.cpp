@@ -156,8 +156,7 @@ class LcmRun {
     HubSink sink(recorder_, heartbeat_, monitor, launch_);
     RunReport report = run_coupled(scheme_run(model_.run, model_.coupling),
                                    {mbs, Locality::Elsewhere}, {fem, Locality::Elsewhere}, sink);
-    const wire::BusCounts counts = bus_.counts();
-    report.ledger.lost = counts.damaged + counts.dropped;
+    report.ledger.book_lost(bus_.counts().damaged);
     monitor.also_watch({});
     fem.close();
     monitor.release(Process::Fem);

@@ -41,6 +41,11 @@ struct Ledger {
     duplicates += cost.duplicates;
   }
 
+  /// A request that was sent again was late when its first copy turns up as a duplicate, else lost.
+  void book_lost(std::int64_t damaged) {
+    lost = damaged + (resent > duplicates ? resent - duplicates : 0);
+  }
+
   /// Sum of all columns but `other_s`: the time that has a name.
   [[nodiscard]] double named_s() const {
     return mbs_compute_s + fem_compute_s + encode_s + decode_s + publish_s + transit_s + wait_s +

@@ -41,8 +41,7 @@ int drive_from_mbs(SideContext& context, MbsSide& mbs) {
   const CouplingParams coupling = read_coupling(context.scenario.root);
   RunReport report = run_coupled(scheme_run(context.run, coupling), {mbs, Locality::Here},
                                  {fem, Locality::Elsewhere}, sink);
-  const wire::BusCounts counts = context.bus.counts();
-  report.ledger.lost = counts.damaged + counts.dropped;
+  report.ledger.book_lost(context.bus.counts().damaged);
   context.heartbeat.set_phase("ending");
   fem.close();
   context.monitor.release(wire::Process::Fem);

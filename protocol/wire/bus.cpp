@@ -157,7 +157,6 @@ Subscription Bus::subscribe(Process topic, Kind kind, Handler handler) {
 bool Bus::pump(double timeout_s) {
   if (!state_->socket.receive(timeout_s, state_->datagram)) return false;
   state_->arrival_s = now_s();
-  state_->counts.dropped = state_->socket.dropped();
   state_->handle(state_->datagram);
   return true;
 }

@@ -34,7 +34,6 @@ struct BusCounts {
   std::int64_t damaged = 0;      ///< checksum wrong
   std::int64_t undecodable = 0;  ///< seal good, content not of this schema
   std::int64_t foreign = 0;      ///< of another run or program
-  std::int64_t dropped = 0;      ///< by the kernel: receive buffer full
 };
 
 /// What a publish cost.

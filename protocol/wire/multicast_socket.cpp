@@ -80,7 +80,6 @@ void MulticastSocket::open(int port, int receive_buffer_bytes) {
   set_option(fd_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof(int), "SO_RCVBUF");
   socklen_t size = sizeof(granted_bytes_);
   getsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &granted_bytes_, &size);
-  set_option(fd_, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on), "SO_RXQ_OVFL");
 
   const sockaddr_in address = group_address(port);
   if (bind(fd_, generic(address), sizeof(address)) != 0) {
@@ -116,7 +115,6 @@ void MulticastSocket::ignore_sender(std::uint32_t address, std::uint16_t port) {
 
 bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
   const double deadline_s = now_s() + timeout_s;
-  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(std::uint32_t))];
   iovec part{buffer_.data(), buffer_.size()};
   while (true) {
     sockaddr_in from{};
@@ -125,16 +123,8 @@ bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
     message.msg_namelen = sizeof(from);
     message.msg_iov = &part;
     message.msg_iovlen = 1;
-    message.msg_control = control;
-    message.msg_controllen = sizeof(control);
     const ssize_t size = recvmsg(fd_, &message, MSG_DONTWAIT);
     if (size >= 0) {
-      for (cmsghdr* c = CMSG_FIRSTHDR(&message); c != nullptr; c = CMSG_NXTHDR(&message, c)) {
-        if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SO_RXQ_OVFL) continue;
-        std::uint32_t dropped = 0;
-        std::memcpy(&dropped, CMSG_DATA(c), sizeof(dropped));
-        dropped_ = dropped;
-      }
       datagram = {};
       datagram.from_address = ntohl(from.sin_addr.s_addr);
       datagram.from_port = ntohs(from.sin_port);

@@ -43,15 +43,11 @@ class MulticastSocket {
 
   [[nodiscard]] int receive_buffer_bytes() const { return granted_bytes_; }
 
-  /// Datagrams which the kernel dropped because the buffer was full.
-  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
-
  private:
   void open(int port, int receive_buffer_bytes);
 
   int fd_ = -1;
   int granted_bytes_ = 0;
-  std::int64_t dropped_ = 0;
   Bytes buffer_;
 };
 
