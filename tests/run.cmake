@@ -1,0 +1,16 @@
+# Tests of the executables tandem, tandem-mbs and tandem-fem as users start them.
+foreach(example lug two_masses pendulum_beam slider_crank)
+  if(EXISTS ${PROJECT_SOURCE_DIR}/examples/${example}/scenario.yaml)
+    list(APPEND examples "\"${example}\"")
+  endif()
+endforeach()
+list(JOIN examples "," examples)
+
+function(tandem_run_test name labels)
+  tandem_test(${name} SOURCES process/${name}.cpp LIBS nlohmann_json::nlohmann_json LABELS ${labels})
+  add_dependencies(${name} tandem tandem-mbs tandem-fem tandem_fault_shim)
+  target_compile_definitions(${name} PRIVATE TANDEM_EXAMPLES=${examples}
+    TANDEM_FAULT_SHIM="$<TARGET_FILE:tandem_fault_shim>")
+endfunction()
+
+tandem_run_test(run_same_bits "process;equivalence")
