@@ -1,1 +1,20 @@
-# Tests of coupled, one executable a line.
+# Tests of coupled runs, one executable a line. They run in this process, through the library.
+add_library(coupled_support STATIC support/coupled_pair.cpp support/truth_case.cpp)
+target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE fmt::fmt)
+target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+tandem_test(coupled_unit SOURCES unit/coupled_free_pair.cpp LIBS coupled_support LABELS unit)
+tandem_test(coupled_convergence
+  SOURCES convergence/coupled_free_pair.cpp
+  LIBS coupled_support LABELS convergence)
+tandem_test(coupled_reference
+  SOURCES reference/coupled_truth.cpp reference/coupled_vibration.cpp
+  LIBS coupled_support LABELS reference)
+tandem_test(coupled_equivalence
+  SOURCES equivalence/coupled_dense.cpp equivalence/coupled_schemes.cpp
+  LIBS coupled_support LABELS equivalence)
+
+# Draws the comparison with the reference trajectories: truth_plots [--out DIR].
+add_executable(truth_plots bench/truth.cpp)
+target_link_libraries(truth_plots PRIVATE coupled_support fmt::fmt)
+target_compile_definitions(truth_plots PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

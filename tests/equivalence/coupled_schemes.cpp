@@ -1,0 +1,118 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/coupled_pair.h"
+
+namespace tandem::coupled_test {
+namespace {
+
+using orchestrator::Mode;
+
+struct SchemeRun {
+  RunReport report;
+  std::vector<Sample> samples;
+  std::vector<PortInfo> ports;
+};
+
+SchemeRun run(const std::string& scenario, Mode mode, const CoupledPair::Overrides& overrides) {
+  CoupledPair pair(scenario, overrides);
+  SchemeRun result;
+  result.report = pair.run(mode, [&](const Sample& s) { result.samples.push_back(s); });
+  result.ports = pair.fem().info().ports;
+  return result;
+}
+
+// The schemes stop at ‖r‖ ≤ 1e-11 N + 1e-12 ‖λ‖, so one step differs by about 1e-12 relative and a
+// second of 1000 steps of a damped system by less than their sum: 1e-9 is the project's bound.
+constexpr double kAgreement = 1e-9;
+
+void expect_same(const std::string& scenario) {
+  const SchemeRun monolithic = run(scenario, Mode::Monolithic, {});
+  ASSERT_EQ(monolithic.report.status, RunStatus::Done) << monolithic.report.message;
+  ASSERT_EQ(monolithic.report.simulated, SimTime(1'000'000'000));
+  const std::vector<CoupledPair::Overrides> schemes = {
+      {{"coupling.scheme", "interface_jacobian"}},
+      {{"coupling.scheme", "implicit"}, {"coupling.relaxation", "aitken"}},
+      {{"coupling.scheme", "implicit"}, {"coupling.relaxation", "constant"}}};
+  for (const CoupledPair::Overrides& scheme : schemes) {
+    const SchemeRun other = run(scenario, Mode::Inproc, scheme);
+    ASSERT_EQ(other.report.status, RunStatus::Done) << other.report.message;
+    const RelativeDifference difference =
+        largest_relative_difference(monolithic.samples, other.samples);
+    EXPECT_LT(difference.motions, kAgreement) << scheme.back().value;
+    EXPECT_LT(difference.wrenches, kAgreement) << scheme.back().value;
+  }
+}
+
+TEST(SchemesEqualMonolithic, TwoMassesOverOneSecond) { expect_same("two_masses/scenario.yaml"); }
+
+TEST(SchemesEqualMonolithic, LugOverOneSecond) { expect_same("lug/scenario.yaml"); }
+
+// With hold prediction the applied wrench is that of one step ago: an error of order H in the
+// wrench, and so in every motion. Two ports, four halvings, in the early free motion where the
+// wrench still changes.
+TEST(ExplicitSerial, ConvergesToTheMonolithicSolutionWithOrderOne) {
+  const std::string scenario = "two_masses/scenario.yaml";
+  double coarser = 0.0;
+  for (int halving = 0; halving <= 4; ++halving) {
+    const CoupledPair::Overrides steps = {{"run.duration_s", "0.04"},
+                                          {"run.macro_step_s", text_of(2.5e-4 / (1 << halving))},
+                                          {"coupling.scheme", "explicit_serial"},
+                                          {"coupling.prediction", "hold"}};
+    const SchemeRun monolithic = run(scenario, Mode::Monolithic, steps);
+    const SchemeRun serial = run(scenario, Mode::Inproc, steps);
+    ASSERT_EQ(serial.report.status, RunStatus::Done) << serial.report.message;
+    const Eigen::VectorXd difference_of_motion =
+        difference(monolithic.samples.back().motions, serial.samples.back().motions);
+    // Positions of both ports.
+    const double error = std::hypot(difference_of_motion.segment<3>(0).norm(),
+                                    difference_of_motion.segment<3>(12).norm());
+    if (halving > 0) {
+      EXPECT_NEAR(std::log2(coarser / error), 1.0, 0.15) << "halving " << halving;
+    }
+    coarser = error;
+  }
+}
+
+// The lug outweighs its payload: linear extrapolation amplifies the wrench's error more than the
+// hold does, and the run leaves its solution within a few steps.
+TEST(ExplicitSerial, IsStoppedWithTheReasonOnTheLug) {
+  const SchemeRun serial =
+      run("lug/scenario.yaml", Mode::Inproc,
+          {{"coupling.scheme", "explicit_serial"}, {"coupling.prediction", "linear"}});
+  EXPECT_EQ(serial.report.status, RunStatus::Diverged);
+  EXPECT_LT(serial.report.macro_steps, 20);
+  for (const char* part : {"explicit_serial: diverged at t = ", "macro step ", "interface energy",
+                           "port 'eye'", "interface_jacobian"}) {
+    EXPECT_NE(serial.report.message.find(part), std::string::npos)
+        << "'" << part << "' is missing in: " << serial.report.message;
+  }
+}
+
+// Steel: neither fixed-point scheme has a solution to run to, Newton's has.
+TEST(SteelLug, IsStoppedInFixedPointSchemesAndEqualsMonolithicInNewton) {
+  const std::string file = "lug/steel.yaml";
+  const scenario::Override short_run = {"run.duration_s", "0.3"};
+  for (const char* scheme : {"explicit_serial", "implicit"}) {
+    const SchemeRun fixed_point = run(file, Mode::Inproc, {short_run, {"coupling.scheme", scheme}});
+    EXPECT_NE(fixed_point.report.status, RunStatus::Done) << scheme;
+    EXPECT_NE(fixed_point.report.message.find(scheme), std::string::npos);
+    EXPECT_NE(fixed_point.report.message.find("interface_jacobian"), std::string::npos)
+        << fixed_point.report.message;
+  }
+  const SchemeRun monolithic = run(file, Mode::Monolithic, {short_run});
+  const SchemeRun newton = run(file, Mode::Inproc, {short_run});
+  ASSERT_EQ(newton.report.status, RunStatus::Done) << newton.report.message;
+  EXPECT_LT(largest_relative_difference(monolithic.samples, newton.samples).motions, kAgreement);
+  // The wrenches are as good as the scenario's tolerance, 1e-7 N, and the round-off of the
+  // monolithic ones, 1e-8 N.
+  for (std::size_t n = 0; n < newton.samples.size(); ++n) {
+    const Eigen::VectorXd gap =
+        stack(newton.samples[n].wrenches) - stack(monolithic.samples[n].wrenches);
+    EXPECT_LT(wrench_norm_N(unstack_wrenches(gap), newton.ports), 2e-7) << "step " << n;
+  }
+}
+
+}  // namespace
+}  // namespace tandem::coupled_test

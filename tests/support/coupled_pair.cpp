@@ -1,0 +1,128 @@
+#include "tests/support/coupled_pair.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "fem_process/make_side.h"
+#include "mbs_process/make_side.h"
+#include "orchestrator/monolithic.h"
+#include "orchestrator/step_tables.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::coupled_test {
+namespace {
+
+class ObservingSink final : public StepSink {
+ public:
+  explicit ObservingSink(const CoupledPair::Observer& observer) : observer_(observer) {}
+
+  double record(wire::StepJournal journal) override {
+    if (journal.step.outcome != Outcome::Done) return 0.0;
+    orchestrator::AcceptedInterface interface = orchestrator::accepted_interface(journal);
+    Sample sample{.t_s = to_seconds(journal.step.time),
+                  .motions = std::move(interface.motions),
+                  .wrenches = std::move(interface.wrenches),
+                  .iterations = journal.step.iterations,
+                  .residual_N = journal.step.residual_N};
+    for (const wire::CallRecord& call : journal.calls) {
+      if (call.accepted && call.kind == wire::CallKind::Advance &&
+          call.side == wire::SideName::Mbs) {
+        sample.applied = call.wrenches.end;
+      }
+    }
+    observer_(sample);
+    return 0.0;
+  }
+
+ private:
+  const CoupledPair::Observer& observer_;
+};
+
+Eigen::VectorXd nodal_momenta(const fem::FlexibleBody& body) {
+  return fem::multiply_scalar(body.model().pattern(), body.model().mass, body.state().v);
+}
+
+/// p, q, v, w, f, t of one port.
+std::array<Eigen::VectorXd, 6> quantities(const Sample& sample, std::size_t port) {
+  const Motion& m = sample.motions[port];
+  const Wrench& w = sample.wrenches[port];
+  return {m.p_WP, m.q_WP.coeffs(), m.v_WP, m.w_WP, w.f_P_W, w.t_P_W};
+}
+
+}  // namespace
+
+CoupledPair::CoupledPair(const std::string& scenario, const Overrides& overrides)
+    : model_(orchestrator::load_model(
+          std::filesystem::path(TANDEM_SOURCE_DIR) / "examples" / scenario, overrides)),
+      mbs_(mbs::make_side(model_.scenario.root, {})),
+      fem_(fem::make_side(model_.scenario.root, {})) {}
+
+RunReport CoupledPair::run(orchestrator::Mode mode, const Observer& observer) {
+  CoupledRunParams params = scheme_run(model_.run, model_.coupling);
+  if (mode == orchestrator::Mode::Monolithic) {
+    params.scheme_name = "monolithic";
+    params.make_scheme = [](std::vector<PortInfo> ports) {
+      return std::make_unique<orchestrator::MonolithicStep>(std::move(ports));
+    };
+  }
+  ObservingSink sink(observer);
+  return run_coupled(params, {*mbs_, Locality::Here}, {*fem_, Locality::Here}, sink);
+}
+
+Eigen::Vector3d CoupledPair::linear_momentum() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
+    sum += mbs_->params().bodies[i].mass_kg * mbs_->state().bodies[i].v_WB;
+  }
+  const Eigen::VectorXd momenta = nodal_momenta(*fem_);
+  for (Eigen::Index row = 0; row < momenta.size(); row += 3) sum += momenta.segment<3>(row);
+  return sum;
+}
+
+Eigen::Vector3d CoupledPair::angular_momentum() const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
+    const mbs::BodyParams& params = mbs_->params().bodies[i];
+    const mbs::BodyState& body = mbs_->state().bodies[i];
+    const Eigen::Matrix3d R_WB = body.q_WB.toRotationMatrix();
+    sum += params.mass_kg * body.p_WB.cross(body.v_WB) +
+           R_WB * params.inertia_B() * R_WB.transpose() * body.w_WB;
+  }
+  const Eigen::VectorXd momenta = nodal_momenta(*fem_);
+  for (Eigen::Index row = 0; row < momenta.size(); row += 3) {
+    sum += fem_->state().x.segment<3>(row).cross(momenta.segment<3>(row));
+  }
+  return sum;
+}
+
+std::string text_of(double value) { return fmt::format("{}", value); }
+
+RelativeDifference largest_relative_difference(const std::vector<Sample>& a,
+                                               const std::vector<Sample>& b) {
+  require(a.size() == b.size() && !a.empty(), "two runs of different length");
+  RelativeDifference largest;
+  for (std::size_t port = 0; port < a.front().motions.size(); ++port) {
+    std::array<double, 6> norm{};
+    std::array<double, 6> difference{};
+    for (std::size_t n = 0; n < a.size(); ++n) {
+      const auto qa = quantities(a[n], port);
+      const auto qb = quantities(b[n], port);
+      for (std::size_t k = 0; k < norm.size(); ++k) {
+        // Index 1 is a quaternion: q and −q are one rotation.
+        const double distance = k == 1 ? std::min((qa[k] - qb[k]).norm(), (qa[k] + qb[k]).norm())
+                                       : (qa[k] - qb[k]).norm();
+        norm[k] = std::max(norm[k], qa[k].norm());
+        difference[k] = std::max(difference[k], distance);
+      }
+    }
+    for (std::size_t k = 0; k < norm.size(); ++k) {
+      double& kind = k < 4 ? largest.motions : largest.wrenches;
+      if (norm[k] > 0.0) kind = std::max(kind, difference[k] / norm[k]);
+    }
+  }
+  return largest;
+}
+
+}  // namespace tandem::coupled_test

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fem_process/flexible_body.h"
+#include "mbs_process/rigid_world.h"
+#include "orchestrator/model.h"
+#include "orchestrator/run.h"
+#include "protocol/driver/coupled_run.h"
+
+namespace tandem::coupled_test {
+
+/// The interface at the end of an accepted macro step.
+struct Sample {
+  double t_s = 0.0;
+  MotionSet motions;
+  WrenchSet wrenches;  ///< the flexible side's answer
+  WrenchSet applied;   ///< what moved the multibody side; empty at t = 0
+  std::int32_t iterations = 0;
+  double residual_N = 0.0;
+};
+
+/// Both sides of an example as objects of this process, and their coupled run.
+class CoupledPair {
+ public:
+  using Overrides = std::vector<scenario::Override>;
+  using Observer = std::function<void(const Sample&)>;
+
+  /// `scenario` is a path below examples/.
+  CoupledPair(const std::string& scenario, const Overrides& overrides);
+
+  /// Runs once; `observer` is called at t = 0 and after every accepted macro step, with both sides
+  /// in the state that the sample belongs to.
+  RunReport run(orchestrator::Mode mode, const Observer& observer);
+
+  [[nodiscard]] const orchestrator::Model& model() const { return model_; }
+  [[nodiscard]] const mbs::RigidWorld& mbs() const { return *mbs_; }
+  [[nodiscard]] const fem::FlexibleBody& fem() const { return *fem_; }
+
+  /// Momentum of the rigid bodies and of all nodes (kg m/s), about the origin of W (kg m²/s).
+  [[nodiscard]] Eigen::Vector3d linear_momentum() const;
+  [[nodiscard]] Eigen::Vector3d angular_momentum() const;
+
+ private:
+  orchestrator::Model model_;
+  std::unique_ptr<mbs::RigidWorld> mbs_;
+  std::unique_ptr<fem::FlexibleBody> fem_;
+};
+
+/// A number as the value of an override, with all its digits.
+[[nodiscard]] std::string text_of(double value);
+
+/// Largest difference of the port quantities of two runs over all steps, each relative to the
+/// largest norm of that quantity of that port in the first run.
+struct RelativeDifference {
+  double motions = 0.0;   ///< of p, q, v, w
+  double wrenches = 0.0;  ///< of f, t
+};
+[[nodiscard]] RelativeDifference largest_relative_difference(const std::vector<Sample>& a,
+                                                             const std::vector<Sample>& b);
+
+}  // namespace tandem::coupled_test
