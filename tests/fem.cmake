@@ -8,4 +8,10 @@ tandem_test(fem_reference
   SOURCES reference/fem_modes.cpp reference/fem_reference.cpp reference/fem_statics.cpp
     support/fem_reference_cases.cpp
   LIBS fem LABELS reference)
+tandem_test(fem_command SOURCES process/fem_command.cpp LIBS orchestrator LABELS process)
 tandem_test(fem_convergence SOURCES convergence/fem_order.cpp LIBS fem LABELS convergence)
+
+# Regenerates docs/figures/figure4.svg and the tables of docs/fem.md.
+add_executable(figure4 bench/figure4.cpp support/fem_reference_cases.cpp)
+target_link_libraries(figure4 PRIVATE tandem_options orchestrator fmt::fmt)
+target_compile_definitions(figure4 PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

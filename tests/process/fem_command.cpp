@@ -1,0 +1,106 @@
+#include "orchestrator/fem_command.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "orchestrator/scenario_table.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FemCommand : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(::testing::TempDir()) /
+             (std::string("fem_command_") +
+              ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  /// The 15-tet bar under an end load, in as few sections as the command needs.
+  [[nodiscard]] scenario::Loaded load(const std::string& more = "",
+                                      const std::vector<scenario::Override>& changes = {}) const {
+    const fs::path file = folder / "bar.yaml";
+    std::ofstream(file) << "name: bar\nfem:\n  mesh: {file: " << TANDEM_SOURCE_DIR
+                        << "/tests/data/fem/beam15.msh}\n"
+                           "  material: {young_Pa: 1e6, poisson: 0.3, density_kg_per_m3: 1000}\n"
+                           "  fixed: [fixed]\n"
+                           "  loads: [{kind: surface, set: load, force_N: [100, 50, -12.5]}]\n"
+                           "  watch: [monitor, load]\n"
+                        << more;
+    return scenario::load(file, fem_scenario_table(), changes);
+  }
+  fs::path folder;
+};
+
+TEST_F(FemCommand, NeedsNoOtherSectionThanFem) {
+  const FemOutcome outcome = run_fem(load().root, "", folder);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_EQ(outcome.results["analysis"], "static");
+  EXPECT_EQ(outcome.results["nodes"], 16);
+  EXPECT_EQ(outcome.results["elements"], 15);
+  ASSERT_EQ(outcome.results["load_steps"].size(), 10U);
+  const auto& last = outcome.results["load_steps"][9];
+  EXPECT_EQ(last["factor"], 1.0);
+  EXPECT_GT(last["iterations"], 1);
+  EXPECT_EQ(last["displacement_m"]["monitor"].size(), 3U);
+  EXPECT_EQ(last["displacement_m"]["load"].size(), 3U);
+  EXPECT_TRUE(fs::exists(folder / "fem" / "fem_000009.vtu"));
+  EXPECT_TRUE(fs::exists(folder / "fem" / "fem.pvd"));
+}
+
+TEST_F(FemCommand, TakesTheLoadFactorsOfTheScenario) {
+  const FemOutcome outcome =
+      run_fem(load("  analysis: {load_factors: [0.5, -0.25, 0]}\n").root, "", folder);
+  ASSERT_EQ(outcome.results["load_steps"].size(), 3U);
+  EXPECT_EQ(outcome.results["load_steps"][1]["factor"], -0.25);
+  // Elastic: without load it is back where it began, to the round-off of the residual.
+  for (double u : outcome.results["load_steps"][2]["displacement_m"]["load"]) {
+    EXPECT_NEAR(u, 0.0, 1e-7);
+  }
+}
+
+TEST_F(FemCommand, WritesFrequenciesAndModeShapes) {
+  const FemOutcome outcome = run_fem(load("  analysis: {modes: 4}\n").root, "modes", folder);
+  EXPECT_EQ(outcome.results["frequencies_Hz"].size(), 4U);
+  EXPECT_TRUE(fs::exists(folder / "fem" / "mode_000003.vtu"));
+}
+
+TEST_F(FemCommand, WritesTheHistoryFromRestOn) {
+  const FemOutcome outcome =
+      run_fem(load("run: {duration_s: 0.05, macro_step_s: 0.005}\n").root, "transient", folder);
+  const auto& history = outcome.results["history"];
+  ASSERT_EQ(history["t_s"].size(), 11U);
+  EXPECT_EQ(history["t_s"][10], 0.05);
+  ASSERT_EQ(history["displacement_m"]["load"].size(), 11U);
+  EXPECT_EQ(history["displacement_m"]["load"][0][0], 0.0);
+  EXPECT_GT(history["displacement_m"]["load"][10][0], 0.0);  // along the load
+}
+
+TEST_F(FemCommand, SaysThatATransientAnalysisNeedsTheSectionRun) {
+  try {
+    static_cast<void>(run_fem(load().root, "transient", folder));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("needs the section 'run'"), std::string::npos);
+  }
+}
+
+// An equilibrium that is not found is exit code 3, with the load factor and what to do.
+TEST_F(FemCommand, ReportsAMissingEquilibrium) {
+  const FemOutcome outcome =
+      run_fem(load("  analysis: {max_iterations: 1, safeguards: false}\n").root, "", folder);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(outcome.results["status"], "not_converged");
+  EXPECT_NE(outcome.results["message"].get<std::string>().find("load factor"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace tandem::orchestrator
