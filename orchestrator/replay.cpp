@@ -6,6 +6,7 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "orchestrator/interruption.h"
 #include "orchestrator/output_difference.h"
@@ -129,11 +130,11 @@ std::string remark_on_end(const RunDirectory& run, const wire::LogReader& log,
       run.log().string(), macro_steps);
 }
 
-/// Macro steps that summary.json of a finished run promises; 0 when there is none.
-std::int64_t promised_steps(const RunDirectory& run) {
+/// Macro steps that summary.json of a finished run promises.
+std::optional<std::int64_t> promised_steps(const RunDirectory& run) {
   std::ifstream stream(run.summary());
   const auto summary = nlohmann::json::parse(stream, nullptr, false);
-  if (summary.is_discarded() || summary.value("status", "") != "done") return 0;
+  if (summary.is_discarded() || summary.value("status", "") != "done") return std::nullopt;
   return summary.value("macro_steps", std::int64_t{0});
 }
 
@@ -179,9 +180,11 @@ ReplayReport replay(const RunDirectory& run, const ReplayOptions& options) {
     replay_side(run, options, log, report);
     if (!report.difference.empty()) return report;
     report.remark = remark_on_end(run, log, report.macro_steps);
-    if (promised_steps(run) > report.macro_steps) {
-      throw Error(ErrorKind::ReplayDiffers, fmt::format("{}; summary.json says {} macro steps",
-                                                        report.remark, promised_steps(run)));
+    const auto promised = promised_steps(run);
+    if (promised && !report.remark.empty()) {
+      throw Error(ErrorKind::ReplayDiffers,
+                  fmt::format("{}; summary.json says that it was done after {} macro steps",
+                              report.remark, *promised));
     }
     return report;
   });

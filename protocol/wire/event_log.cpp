@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <iterator>
+#include <string_view>
 
 #include "protocol/contract/error.h"
 
@@ -127,8 +129,19 @@ LogReader::LogReader(const std::filesystem::path& file)
 }
 
 void LogReader::fail(const std::string& what) const {
-  throw Error(ErrorKind::Usage, fmt::format("log: {} is damaged at event {} (in macro step {}): {}",
-                                            name_, number_, macro_step_ + 1, what));
+  const std::string where = at_end_ ? fmt::format("its last one, behind macro step {}", macro_step_)
+                                    : fmt::format("in macro step {}", macro_step_ + 1);
+  throw Error(ErrorKind::Usage,
+              fmt::format("log: {} is damaged at event {} ({}): {}", name_, number_, where, what));
+}
+
+bool LogReader::another_event_follows() {
+  std::array<char, 12> next{};
+  for (std::size_t i = 0; i < 4; ++i) next[i] = static_cast<char>(kMagic >> (24U - 8U * i));
+  const auto number = static_cast<std::uint64_t>(number_ + 1);
+  for (std::size_t i = 0; i < 8; ++i) next[4 + i] = static_cast<char>(number >> (56U - 8U * i));
+  const std::string rest{std::istreambuf_iterator<char>(file_), {}};
+  return rest.find(std::string_view(next.data(), next.size())) != std::string::npos;
 }
 
 std::optional<LogReader::RawEvent> LogReader::next_raw() {
@@ -136,17 +149,19 @@ std::optional<LogReader::RawEvent> LogReader::next_raw() {
   const std::int64_t rest = size_ - static_cast<std::int64_t>(file_.tellg());
   if (rest < static_cast<std::int64_t>(kEventHeader)) return std::nullopt;
   file_.read(reinterpret_cast<char*>(head.data()), kEventHeader);
+  const auto channel_size = static_cast<std::int32_t>(big_endian(head.data() + 20, 4));
+  const auto payload_size = static_cast<std::int32_t>(big_endian(head.data() + 24, 4));
+  at_end_ = std::int64_t{channel_size} + payload_size == rest - std::int64_t{kEventHeader};
   if (big_endian(head.data(), 4) != kMagic) fail("its sync word is wrong");
   if (static_cast<std::int64_t>(big_endian(head.data() + 4, 8)) != number_) {
     fail("its number is not the next one");
   }
-  const auto channel_size = static_cast<std::int32_t>(big_endian(head.data() + 20, 4));
-  const auto payload_size = static_cast<std::int32_t>(big_endian(head.data() + 24, 4));
   if (channel_size < 1 || channel_size > kMaxChannel || payload_size < 0 ||
       payload_size > kMaxPayload) {
     fail("its lengths are out of range");
   }
   if (channel_size + payload_size > rest - static_cast<std::int64_t>(kEventHeader)) {
+    if (another_event_follows()) fail("its lengths are out of range");
     return std::nullopt;  // cut short: the run was killed while it wrote
   }
   RawEvent event;

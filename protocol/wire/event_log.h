@@ -85,11 +85,14 @@ class LogReader {
 
  private:
   [[noreturn]] void fail(const std::string& what) const;
+  /// Whether the next event's sync word and number stand somewhere behind here.
+  [[nodiscard]] bool another_event_follows();
 
   std::string name_;
   std::ifstream file_;
   std::int64_t size_ = 0;
   std::int64_t number_ = 0;
+  bool at_end_ = false;           ///< the event being read reaches to the end of the file
   std::int64_t macro_step_ = -1;  ///< the last one read whole
   std::uint64_t run_id_ = 0;
   ScenarioText scenario_;
