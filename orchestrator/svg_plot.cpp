@@ -11,8 +11,8 @@ namespace tandem::orchestrator {
 namespace {
 
 // Sizes in pixels.
-constexpr double kWidth = 520.0, kHeight = 360.0;
-constexpr double kLeft = 78.0, kRight = 14.0, kTop = 34.0, kBottom = 50.0;
+constexpr double kWidth = 640.0, kHeight = 360.0;
+constexpr double kLeft = 78.0, kRight = 170.0, kTop = 34.0, kBottom = 50.0;
 constexpr double kLegendRow = 16.0;
 
 // Okabe & Ito (2008): black, vermillion, blue, bluish green, orange, reddish purple, sky blue.
@@ -123,7 +123,7 @@ std::string frame(const Plot& plot, const Axis& x, const Axis& y) {
   const double middle = 0.5 * (kTop + kHeight - kBottom);
   out += text(16, middle, "middle", plot.y_label,
               fmt::format(" transform=\"rotate(-90 16 {:.1f})\"", middle).c_str());
-  out += text(0.5 * kWidth, 20, "middle", plot.title, " font-weight=\"bold\"");
+  out += text(0.5 * (kLeft + kWidth - kRight), 20, "middle", plot.title, " font-weight=\"bold\"");
   return out;
 }
 
@@ -150,43 +150,17 @@ std::string curve(const PlotSeries& series, const char* colour, const Axis& x, c
          dots;
 }
 
-/// Within the frame at the corner that the curves use least.
-std::string legend(const Plot& plot, const Axis& x, const Axis& y) {
-  const auto rows = static_cast<double>(plot.series.size());
-  std::size_t longest = 0;
-  for (const PlotSeries& series : plot.series) longest = std::max(longest, series.label.size());
-  const double width = 40.0 + 6.6 * static_cast<double>(longest);
-  const double height = kLegendRow * rows + 6.0;
-  double best_left = 0.0, best_top = 0.0;
-  std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  for (double left : {kWidth - kRight - width - 6, kLeft + 6}) {
-    for (double top : {kTop + 6, kHeight - kBottom - height - 6}) {
-      std::size_t covered = 0;
-      for (const PlotSeries& series : plot.series) {
-        for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
-          if (!x.shows(series.x[i]) || !y.shows(series.y[i])) continue;
-          const double px = x.pixel(series.x[i]) - left;
-          const double py = y.pixel(series.y[i]) - top;
-          if (px > 0 && px < width && py > 0 && py < height) ++covered;
-        }
-      }
-      if (covered >= fewest) continue;
-      fewest = covered;
-      best_left = left;
-      best_top = top;
-    }
-  }
-  std::string out = fmt::format(
-      "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"#ffffff\" "
-      "fill-opacity=\"0.8\" stroke=\"#bbbbbb\"/>\n",
-      best_left, best_top, width, height);
+/// Beside the frame, where it covers no curve.
+std::string legend(const Plot& plot) {
+  std::string out;
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
-    const double at = best_top + kLegendRow * (static_cast<double>(i) + 0.5) + 3.0;
+    const double left = kWidth - kRight + 10.0;
+    const double at = kTop + kLegendRow * (static_cast<double>(i) + 0.5);
     out += fmt::format(
         "<line x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{2:.1f}\" y2=\"{1:.1f}\" stroke=\"{3}\" "
         "stroke-width=\"1.5\"{4}/>\n",
-        best_left + 6, at, best_left + 30, kColours[i % kColours.size()], dash_of(plot.series[i]));
-    out += text(best_left + 35, at + 4, "start", plot.series[i].label);
+        left, at, left + 24, kColours[i % kColours.size()], dash_of(plot.series[i]));
+    out += text(left + 29, at + 4, "start", plot.series[i].label);
   }
   return out;
 }
@@ -207,7 +181,7 @@ std::string drawn(const Plot& plot) {
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     out += curve(plot.series[i], kColours[i % kColours.size()], x, y);
   }
-  if (plot.series.size() > 1) out += legend(plot, x, y);
+  if (plot.series.size() > 1) out += legend(plot);
   return out;
 }
 

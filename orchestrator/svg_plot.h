@@ -16,7 +16,8 @@ struct PlotSeries {
   bool dashed = false;
 };
 
-/// A line plot. Labels carry the units: "t (s)".
+/// A line plot. Labels carry the units: "t (s)". Series' labels stand beside the frame and have
+/// room for about 20 characters.
 struct Plot {
   std::string title;
   std::string x_label, y_label;

@@ -3,12 +3,15 @@ add_library(coupled_support STATIC support/coupled_pair.cpp support/truth_case.c
 target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE fmt::fmt)
 target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
-tandem_test(coupled_unit SOURCES unit/coupled_free_pair.cpp LIBS coupled_support LABELS unit)
+tandem_test(coupled_unit
+  SOURCES unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp
+  LIBS coupled_support LABELS unit)
 tandem_test(coupled_convergence
   SOURCES convergence/coupled_free_pair.cpp
   LIBS coupled_support LABELS convergence)
 tandem_test(coupled_reference
-  SOURCES reference/coupled_truth.cpp reference/coupled_vibration.cpp
+  SOURCES reference/coupled_slider_crank.cpp reference/coupled_truth.cpp
+    reference/coupled_vibration.cpp
   LIBS coupled_support LABELS reference)
 tandem_test(coupled_equivalence
   SOURCES equivalence/coupled_dense.cpp equivalence/coupled_schemes.cpp

@@ -78,11 +78,12 @@ Plot errors_over_step(const Comparison& c, const std::string& quantity, const st
     order.x.push_back(c.steps_s[i]);
     order.y.push_back(1.3 * ours.y.front() * c.steps_s[i] / c.steps_s.front());
   }
-  const PlotSeries listed{.label = "listed first-order step",
+  const PlotSeries listed{.label = "listed",
                           .x = c.listed.steps_s,
                           .y = c.listed.errors.at(quantity),
-                          .markers = true};
-  plot.series = {order, listed, ours};
+                          .markers = true,
+                          .dashed = true};
+  plot.series = {order, ours, listed};
   return plot;
 }
 
