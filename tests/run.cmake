@@ -7,10 +7,11 @@ endforeach()
 list(JOIN examples "," examples)
 
 function(tandem_run_test name labels)
-  tandem_test(${name} SOURCES process/${name}.cpp LIBS nlohmann_json::nlohmann_json LABELS ${labels})
+  tandem_test(${name} SOURCES process/${name}.cpp LIBS tandem_wire lcm::lcm nlohmann_json::nlohmann_json LABELS ${labels})
   add_dependencies(${name} tandem tandem-mbs tandem-fem tandem_fault_shim)
   target_compile_definitions(${name} PRIVATE TANDEM_EXAMPLES=${examples}
     TANDEM_FAULT_SHIM="$<TARGET_FILE:tandem_fault_shim>")
 endfunction()
 
 tandem_run_test(run_same_bits "process;equivalence")
+tandem_run_test(run_log process)
