@@ -7,13 +7,14 @@
 namespace tandem {
 namespace {
 
-/// Joins one side's outcome into the evaluation; false when the side failed.
+/// Joins one side's outcome into the evaluation; false when the side failed. The sides' messages
+/// name themselves.
 template <class Result>
-bool take_outcome(const char* side, const Result& result, Evaluation& evaluation) {
+bool take_outcome(const Result& result, Evaluation& evaluation) {
   evaluation.outcome = std::max(evaluation.outcome, result.outcome);
   if (result.outcome != Outcome::Done) {
     if (!evaluation.message.empty()) evaluation.message += " ";
-    evaluation.message += std::string(side) + ": " + result.message;
+    evaluation.message += result.message;
   }
   return result.outcome != Outcome::Failed;
 }
@@ -33,9 +34,9 @@ Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lam
   Evaluation evaluation;
   evaluation.outcome = Outcome::Done;
   auto m = mbs.advance({.step = H, .input = {state.wrenches, lambda}, .linearize = linearize});
-  if (!take_outcome("mbs", m, evaluation)) return evaluation;
+  if (!take_outcome(m, evaluation)) return evaluation;
   auto l = fem.advance({.step = H, .input = {state.motions, m.output}, .linearize = linearize});
-  if (!take_outcome("fem", l, evaluation)) return evaluation;
+  if (!take_outcome(l, evaluation)) return evaluation;
 
   evaluation.residual = stack(l.output) - stack(lambda);
   evaluation.residual_N = wrench_norm_N(unstack_wrenches(evaluation.residual), ports);

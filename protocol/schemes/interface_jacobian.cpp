@@ -28,7 +28,8 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
           "interface_jacobian: ‖r‖ = {:.3g} N after {} iterations, limit {:.3g} N. The sides are "
           "not affine in the port quantities here (contact, joint limits, large rotation per "
           "step): "
-          "lower run.macro_step_s or raise coupling.max_iterations.",
+          "lower run.macro_step_s or raise coupling.max_iterations. A stiff mesh can also leave a "
+          "residual of round-off that no iteration removes: raise coupling.tolerance_N above it.",
           end.residual_N, k, residual_limit_N(params_, evaluation));
       return end;
     }
