@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cstdio>
+#include <utility>
 #include <variant>
 
 #include "orchestrator/interruption.h"
@@ -168,7 +169,7 @@ class LcmRun {
 
   /// The error together with what became of the processes; ends them all.
   std::string explain(const Error& error) {
-    recorder_.flush();
+    recorder_.end_progress();
     // A failing process says why before it goes: prefer its own words to "it ended".
     std::string text = error.what();
     for (int i = 0; i < 20 && stop_signal() == 0; ++i) {
@@ -179,8 +180,9 @@ class LcmRun {
         break;
       }
     }
+    std::vector<std::string> fates = launch_.left_in_peace();
     wire::publish_abort(bus_, error.exit_code(), text);
-    const std::vector<std::string> fates = launch_.end_all(1.0);
+    for (std::string& fate : launch_.end_all(1.0)) fates.push_back(std::move(fate));
     if (recorder_.recorded_steps() > 0) {
       text += fmt::format(" The log is complete up to macro step {}.", recorder_.recorded_steps());
     }

@@ -8,9 +8,11 @@
 #include "orchestrator/interruption.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/side_process.h"
+#include "protocol/driver/standard_streams.h"
 
 int main(int argc, char** argv) {
   using namespace tandem;
+  open_standard_streams();
   CLI::App app(
       "Couples a rigid multibody process (ODE) with a flexible-body process (co-rotational finite\n"
       "elements) over LCM, measures what the coupling costs, and replays what was exchanged.",

@@ -30,6 +30,7 @@ class Recorder final : public StepSink {
 
   /// Flushes the tables and ends the progress line; to be called also when the run failed.
   void flush();
+  void end_progress() { progress_.finish(); }
 
   [[nodiscard]] std::int64_t recorded_steps() const { return recorded_steps_; }
 

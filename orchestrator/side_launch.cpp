@@ -77,6 +77,20 @@ std::optional<ExitStatus> SideLaunch::ended(wire::Process side) {
   return std::nullopt;
 }
 
+std::string SideLaunch::fate(const Child& child, const ExitStatus& status) {
+  return fmt::format("{}: {}; see {}", child.process.name(), status.text(),
+                     child.process.log().string());
+}
+
+std::vector<std::string> SideLaunch::left_in_peace() {
+  std::vector<std::string> phrases;
+  for (const auto& child : children_) {
+    const auto status = child->process.poll();
+    if (status && status->code == 0) phrases.push_back(fate(*child, *status));
+  }
+  return phrases;
+}
+
 std::vector<std::string> SideLaunch::end_all(double patience_s) {
   std::vector<std::string> phrases;
   const double deadline_s = now_s() + patience_s;
@@ -84,10 +98,7 @@ std::vector<std::string> SideLaunch::end_all(double patience_s) {
     const bool in_time = child->process.poll().has_value() || deadline_s > now_s();
     const ExitStatus status = child->process.end(in_time ? deadline_s - now_s() : 0.0);
     if (!silent_) child->tail.forward();
-    if (status.code != 0) {
-      phrases.push_back(fmt::format("{}: {}; see {}", child->process.name(), status.text(),
-                                    child->process.log().string()));
-    }
+    if (status.code != 0) phrases.push_back(fate(*child, status));
   }
   return phrases;
 }

@@ -31,6 +31,9 @@ class SideLaunch {
   /// Exit status of a side that was started here and has ended.
   [[nodiscard]] std::optional<ExitStatus> ended(wire::Process side);
 
+  /// One phrase per process that has ended with 0 by now, e.g. "tandem-fem: exit code 0; see …".
+  [[nodiscard]] std::vector<std::string> left_in_peace();
+
   /// Waits for all to end, at most `patience_s`, then kills. Returns one phrase per process that
   /// did not end with 0, e.g. "tandem-fem: killed by signal 9 (Killed); see …/fem.log".
   std::vector<std::string> end_all(double patience_s);
@@ -41,6 +44,8 @@ class SideLaunch {
     ChildProcess process;
     LogTail tail;
   };
+  static std::string fate(const Child& child, const ExitStatus& status);
+
   std::vector<std::unique_ptr<Child>> children_;
   bool silent_;
 };
