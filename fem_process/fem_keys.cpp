@@ -86,6 +86,17 @@ Key integrator_key() {
           .between(-1.0 / 3.0, 0)
           .by_default("-0.05")
           .doc_is("Numerical damping of HHT: 0 none (trapezoidal rule), -1/3 most."),
+      scenario::integer("newton_steps")
+          .at_least(0)
+          .by_default("0")
+          .doc_is("Most equilibrium iterations of a step; 0 is the single linearised step of "
+                  "[MZ12]. The interface Jacobian is then exact for an exact tangent only."),
+      scenario::real("newton_tolerance", "")
+          .above(0)
+          .below(1)
+          .by_default("1e-8")
+          .doc_is("Residual at which the iterations end, relative to the largest of inertia, "
+                  "internal and external forces."),
   };
   return scenario::section("integrator", std::move(integrator))
       .by_default("{}")
@@ -180,6 +191,8 @@ MeshParams read_mesh_params(const Node& node) {
 
 IntegratorParams read_integrator(const Node& node) {
   IntegratorParams integrator;
+  integrator.newton_steps = static_cast<int>(node.integer("newton_steps"));
+  integrator.newton_tolerance = node.real("newton_tolerance");
   if (node.text("kind") == "hht") {
     integrator.kind = IntegratorKind::Hht;
     integrator.hht_alpha = node.real("hht_alpha");

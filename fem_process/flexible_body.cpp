@@ -91,7 +91,7 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
     book(tangent.advance(
              {end, interpolation_derivative(request.input, s, request.step)},
              {torque_pose, interpolation_derivative(request.input, s_torque, request.step)},
-             done.last, kept),
+             done.last, kept.last()),
          from.time + h);
   }
   if (done.report.outcome == Outcome::Failed) return done;

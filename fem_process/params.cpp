@@ -21,6 +21,9 @@ void check(const Params& params) {
   require(alpha >= -1.0 / 3.0 && alpha <= 0.0,
           "fem: HHT alpha " + std::to_string(alpha) +
               " must be between -1/3 (most damping) and 0 (none).");
+  require(params.integrator.newton_steps >= 0, "fem: newton_steps must not be negative.");
+  require(params.integrator.newton_tolerance > 0.0 && params.integrator.newton_tolerance < 1.0,
+          "fem: newton_tolerance must be above 0 and below 1.");
   require(params.solver.tolerance > 0.0 && params.solver.tolerance < 1.0,
           "fem: solver tolerance must be above 0 and below 1.");
   require(params.solver.max_iterations > 0, "fem: solver max_iterations must be positive.");

@@ -33,7 +33,9 @@ enum class IntegratorKind { BackwardEuler, Hht };
 
 struct IntegratorParams {
   IntegratorKind kind = IntegratorKind::BackwardEuler;
-  double hht_alpha = -0.05;  ///< in [−1/3, 0]; 0 is the trapezoidal rule
+  double hht_alpha = -0.05;        ///< in [−1/3, 0]; 0 is the trapezoidal rule
+  int newton_steps = 0;            ///< 0: the single linearised step of [Marinkovic & Zehn 2012]
+  double newton_tolerance = 1e-8;  ///< residual relative to the largest kind of force
 };
 
 /// A dead load (fixed direction in W, reference areas) times a law of time.

@@ -7,6 +7,7 @@
 
 #include "fem_process/make_formulation.h"
 #include "fem_process/node_vectors.h"
+#include "fem_process/round_off.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -23,17 +24,6 @@ void gather_interior(const Model& model, const BlockValues& K, BlockValues& inte
   for (std::size_t b = 0; b < model.interior.source.size(); ++b) {
     block(interior, static_cast<int>(b)) = block(K, model.interior.source[b]);
   }
-}
-
-/// What the rounding of the positions leaves of a residual (N): ε ‖K_ii‖ ‖x_i‖, over free nodes.
-double round_off(const Model& model, const BlockValues& K, const Eigen::VectorXd& x) {
-  double sum = 0.0;
-  for (int node : model.free) {
-    const double force =
-        block(K, model.pattern().find(node, node)).norm() * x.segment<3>(3 * node).norm();
-    sum += force * force;
-  }
-  return std::numeric_limits<double>::epsilon() * std::sqrt(sum);
 }
 
 std::string number(double value) {

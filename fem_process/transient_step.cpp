@@ -1,9 +1,11 @@
 #include "fem_process/transient_step.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <utility>
 
 #include "fem_process/node_vectors.h"
+#include "fem_process/round_off.h"
 
 namespace tandem::fem {
 namespace {
@@ -100,6 +102,11 @@ void TransientStep::linearise(const State& begin, double h_s, Linearisation& kep
   kept.generation = begin.generation;
   kept.h_s = h_s;
   kept.map = model_.integrator->map(begin, h_s);
+  linearise_at_tilde(kept);
+}
+
+/// f_int, K and the factorised step matrix at x̃ of the map.
+void TransientStep::linearise_at_tilde(Linearisation& kept) const {
   kept.inverted_elements = model_.formulation->evaluate(kept.map.x_tilde, kept.f_int, kept.K);
   const Damping& damping = model_.params.damping;
   const StepMap& map = kept.map;
@@ -154,6 +161,49 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   }
 }
 
+/// Newton's iteration on the balance of forces at the end of the step. Every iterate becomes the
+/// linearisation point x̃; d̂ makes up for it, so that x̃ + d̂ stays.
+void TransientStep::correct(const State& begin, const Eigen::VectorXd& f_ext, Linearisation& kept,
+                            Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const {
+  const IntegratorParams& params = model_.params.integrator;
+  StepMap map = kept.map;
+  if (!kept.corrected) kept.corrected = std::make_unique<Linearisation>();
+  Linearisation& again = *kept.corrected;
+  again.h_s = kept.h_s;
+  SolveReport total = result.report;
+  double residual = 0.0;
+  double limit = 0.0;
+  for (int k = 0; k < params.newton_steps; ++k) {
+    const Eigen::VectorXd x = map.x_tilde + result.d;
+    map.d_hat += map.x_tilde - x;
+    map.x_tilde = x;
+    again.map = map;
+    linearise_at_tilde(again);
+    result.report = again.factorisation;
+    if (again.factorisation.outcome == Outcome::Failed) return;
+    result.d.setZero();
+    residual = gather(balance(again, begin, f_ext, v, result.d, a).residual, model_.free).norm();
+    const double scale = std::max({again.f_int.norm(), f_ext.norm(),
+                                   multiply_scalar(model_.pattern(), model_.mass, a).norm()});
+    limit = std::max(params.newton_tolerance * scale, 2.0 * round_off(model_, again.K, x));
+    // One more correction even when converged: it costs a substitution and squares the error.
+    solve(begin, f_ext, again, v, a, result);
+    total.iterations += result.report.iterations;
+    if (result.report.outcome > total.outcome) {
+      total.outcome = result.report.outcome;
+      total.message = result.report.message;
+    }
+    result.report = total;
+    if (residual <= limit || total.outcome == Outcome::Failed) return;
+  }
+  result.report = {.outcome = Outcome::NotConverged,
+                   .message = "Newton's iteration has a residual of " + std::to_string(residual) +
+                              " N after " + std::to_string(params.newton_steps) + " steps, limit " +
+                              std::to_string(limit) +
+                              " N. Halve fem.micro_step_s or raise fem.integrator.newton_steps.",
+                   .iterations = total.iterations};
+}
+
 TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end,
                                              const MotionSet& torque_pose, SimTime h,
                                              Linearisation& kept) const {
@@ -176,17 +226,22 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
-  solve(begin, model_.external_forces(to_seconds(time)), kept, v, a, result);
+  const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time));
+  solve(begin, f_ext, kept, v, a, result);
+  if (result.report.outcome != Outcome::Failed && model_.params.integrator.newton_steps > 0) {
+    correct(begin, f_ext, kept, v, a, result);
+  }
   if (result.report.outcome == Outcome::Failed) return result;
+  const Eigen::VectorXd& x_tilde = kept.last().map.x_tilde;
   for (int node : model_.free) {
-    x.segment<3>(3 * node) = map.x_tilde.segment<3>(3 * node) + d.segment<3>(3 * node);
+    x.segment<3>(3 * node) = x_tilde.segment<3>(3 * node) + d.segment<3>(3 * node);
   }
   result.wrenches = port_wrenches(model_, arms_, torque_pose, result.react);
   const Eigen::VectorXd loads =
       model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time));
   result.state.external_work_J = begin.external_work_J + 0.5 * loads.dot(x - begin.x);
   result.state.time = time;
-  result.state.inverted_elements = kept.inverted_elements;
+  result.state.inverted_elements = kept.last().inverted_elements;
   result.state.x = std::move(x);
   result.state.v = std::move(v);
   return result;

@@ -25,6 +25,9 @@ struct Linearisation {
   std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
   BlockValues S;                         ///< interior step matrix (kg/s)
   SolveReport factorisation;
+  /// With Newton steps: the same at the step's last iterate.
+  std::unique_ptr<Linearisation> corrected;
+  [[nodiscard]] const Linearisation& last() const { return corrected ? *corrected : *this; }
 };
 
 /// Port nodes' arms in port axes: r_i = R_WP(0)ᵀ (X_i − p_WP(0)), per port and node (m).
@@ -66,6 +69,9 @@ class TransientStep {
     Eigen::VectorXd residual;  ///< M a + θ r + (1 − θ) r_n (N)
   };
   void linearise(const State& begin, double h_s, Linearisation& kept) const;
+  void linearise_at_tilde(Linearisation& kept) const;
+  void correct(const State& begin, const Eigen::VectorXd& f_ext, Linearisation& kept,
+               Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
   void prescribe(const MotionSet& motions, Eigen::VectorXd& x, Eigen::VectorXd& v) const;
   [[nodiscard]] Balance balance(const Linearisation& kept, const State& begin,
                                 const Eigen::VectorXd& f_ext, const Eigen::VectorXd& v,
