@@ -105,7 +105,8 @@ CholmodSolver::CholmodSolver(const BlockPattern& pattern) : handles_(std::make_u
 
 CholmodSolver::~CholmodSolver() = default;
 
-SolveReport CholmodSolver::factorize(const BlockValues& A) {
+SolveReport CholmodSolver::factorize(const BlockValues& A,
+                                     const std::vector<Eigen::Matrix3d>& /*rotations*/) {
   const SerialOpenMp serial;
   auto* values = static_cast<double*>(handles_->matrix->x);
   for (std::size_t i = 0; i < handles_->source.size(); ++i) values[i] = A[handles_->source[i]];
@@ -121,6 +122,21 @@ SolveReport CholmodSolver::factorize(const BlockValues& A) {
   return {.outcome = Outcome::Failed,
           .message = "CHOLMOD cannot factorise the step matrix (status " +
                      std::to_string(handles_->common.status) + "). Use fem.solver.kind: pcg."};
+}
+
+SupernodalFactor CholmodSolver::factor() const {
+  const cholmod_factor& L = *handles_->factor;
+  const auto ints = [](const void* from, std::size_t count) {
+    const auto* first = static_cast<const int*>(from);
+    return std::vector<int>(first, first + count);
+  };
+  const auto* x = static_cast<const double*>(L.x);
+  return {.permutation = ints(L.Perm, L.n),
+          .first_column = ints(L.super, L.nsuper + 1),
+          .row_start = ints(L.pi, L.nsuper + 1),
+          .row = ints(L.s, L.ssize),
+          .value_start = ints(L.px, L.nsuper + 1),
+          .value = std::vector<double>(x, x + L.xsize)};
 }
 
 SolveReport CholmodSolver::solve(Eigen::MatrixXd& r, const Eigen::VectorXd& /*b_norms*/) {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "fem_process/linear_solver.h"
+#include "fem_process/rest_factor.h"
 
 namespace tandem::fem {
 
@@ -15,8 +16,13 @@ class CholmodSolver final : public LinearSolver {
   explicit CholmodSolver(const BlockPattern& pattern);
   ~CholmodSolver() override;
 
-  SolveReport factorize(const BlockValues& A) override;
+  using LinearSolver::factorize;
+  SolveReport factorize(const BlockValues& A,
+                        const std::vector<Eigen::Matrix3d>& rotations) override;
   SolveReport solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) override;
+
+  /// A copy of the last factor.
+  [[nodiscard]] SupernodalFactor factor() const;
 
  private:
   struct Handles;

@@ -123,6 +123,11 @@ Key solver_key() {
           .at_least(1)
           .by_default("5000")
           .doc_is("Iterations after which PCG stops and reports that it has not converged."),
+      scenario::choice("preconditioner", {"block_jacobi", "rest_factor", "warped_rest_factor"})
+          .only_when("kind", {"pcg"})
+          .by_default("warped_rest_factor")
+          .doc_is("What PCG takes for the inverse: that of the 3×3 diagonal blocks, of the step "
+                  "matrix at the reference positions, or of that one turned with the nodes."),
   };
   return scenario::section("solver", std::move(solver))
       .by_default("{}")
@@ -200,12 +205,19 @@ IntegratorParams read_integrator(const Node& node) {
   return integrator;
 }
 
+PreconditionerKind read_preconditioner(const std::string& name) {
+  if (name == "block_jacobi") return PreconditionerKind::BlockJacobi;
+  if (name == "rest_factor") return PreconditionerKind::RestFactor;
+  return PreconditionerKind::WarpedRestFactor;
+}
+
 SolverParams read_solver(const Node& node) {
   SolverParams solver;
   if (node.text("kind") == "pcg") {
     solver.kind = SolverKind::Pcg;
     solver.tolerance = node.real("tolerance");
     solver.max_iterations = static_cast<int>(node.integer("max_iterations"));
+    solver.preconditioner = read_preconditioner(node.text("preconditioner"));
   }
   return solver;
 }

@@ -39,6 +39,7 @@ WrenchSet FlexibleBody::initialize(const MotionSet& motions) {
           "fem: initialize: " + std::to_string(motions.size()) + " motions for " +
               std::to_string(model_.ports.size()) + " ports.");
   require(all_finite(motions), "fem: initialize: the port motions must be finite.");
+  kept_ = {};  // their solvers refer to the step
   step_.emplace(model_, port_arms(model_, motions));
   state_ = State{};
   WrenchSet wrenches;

@@ -5,8 +5,9 @@
 
 namespace tandem::fem {
 
-std::unique_ptr<LinearSolver> make_solver(const SolverParams& params, const BlockPattern& pattern) {
-  if (params.kind == SolverKind::Pcg) return std::make_unique<PcgSolver>(params, pattern);
+std::unique_ptr<LinearSolver> make_solver(const SolverParams& params, const BlockPattern& pattern,
+                                          const RestFactor* rest) {
+  if (params.kind == SolverKind::Pcg) return std::make_unique<PcgSolver>(params, pattern, rest);
   return std::make_unique<CholmodSolver>(pattern);
 }
 

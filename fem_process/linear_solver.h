@@ -3,18 +3,29 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "fem_process/block_matrix.h"
 #include "protocol/contract/subsystem.h"
 
 namespace tandem::fem {
 
+class RestFactor;
+
 enum class SolverKind { Cholmod, Pcg };
+
+/// P ≈ A of preconditioned conjugate gradients.
+enum class PreconditionerKind {
+  BlockJacobi,      ///< the 3×3 diagonal blocks of A
+  RestFactor,       ///< A₀ = L Lᵀ, A at the reference positions
+  WarpedRestFactor  ///< W A₀ Wᵀ, W the nodes' rotations since then [Courtecuisse et al. 2010]
+};
 
 struct SolverParams {
   SolverKind kind = SolverKind::Cholmod;
   double tolerance = 1e-12;  ///< PCG: ‖b − A v‖₂ ≤ tolerance ‖b‖₂
   int max_iterations = 5000;
+  PreconditionerKind preconditioner = PreconditionerKind::WarpedRestFactor;
 };
 
 struct SolveReport {
@@ -28,16 +39,21 @@ class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
 
-  /// Takes the values of A. Failed when A is found not to be positive definite.
-  virtual SolveReport factorize(const BlockValues& A) = 0;
+  /// Takes the values of A. Failed when A is found not to be positive definite. `rotations` of the
+  /// nodes since the reference positions help a warped preconditioner; empty: none.
+  virtual SolveReport factorize(const BlockValues& A,
+                                const std::vector<Eigen::Matrix3d>& rotations) = 0;
+  SolveReport factorize(const BlockValues& A) { return factorize(A, {}); }
 
   /// Corrects a guess: solves A δ = r, one column per right-hand side, and overwrites r with δ.
   /// `b_norms` are the norms that an iterative solver measures its residuals by.
   virtual SolveReport solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) = 0;
 };
 
-/// The pattern must outlive the solver.
+/// The pattern and the factor must outlive the solver. Without a factor PCG uses the diagonal
+/// blocks.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_solver(const SolverParams& params,
-                                                        const BlockPattern& pattern);
+                                                        const BlockPattern& pattern,
+                                                        const RestFactor* rest = nullptr);
 
 }  // namespace tandem::fem

@@ -6,6 +6,7 @@
 
 #include "fem_process/node_vectors.h"
 #include "fem_process/round_off.h"
+#include "protocol/contract/cost.h"
 
 namespace tandem::fem {
 namespace {
@@ -21,7 +22,35 @@ void combine(const Model& model, double m, const BlockValues* K, double k, Block
   }
 }
 
+/// S_II = ∂(M a + θ r)/∂v of a step, with the stiffness K.
+void step_matrix(const Model& model, const StepMap& map, const BlockValues& K, BlockValues& S) {
+  const Damping& damping = model.params.damping;
+  combine(model, map.c_a + map.theta * damping.alpha_per_s, &K,
+          map.theta * (damping.beta_s + map.c_x), S);
+}
+
 }  // namespace
+
+TransientStep::TransientStep(const Model& model, PortArms arms)
+    : model_(model),
+      arms_(std::move(arms)),
+      node_rotations_(model.mesh, model.pattern(), model.free),
+      rest_(factorize_at_rest()) {}
+
+std::unique_ptr<const RestFactor> TransientStep::factorize_at_rest() const {
+  const SolverParams& solver = model_.params.solver;
+  if (solver.kind != SolverKind::Pcg || solver.preconditioner == PreconditionerKind::BlockJacobi) {
+    return nullptr;
+  }
+  Eigen::VectorXd f_int;
+  BlockValues K;
+  BlockValues S;
+  model_.formulation->evaluate(model_.reference(), f_int, K);
+  // The map's coefficients depend on the step's length alone.
+  const StepMap map = model_.integrator->map(State{}, to_seconds(model_.params.micro_step));
+  step_matrix(model_, map, K, S);
+  return std::make_unique<const RestFactor>(model_.interior.pattern, S);
+}
 
 Eigen::VectorXd TransientStep::damping_force(const BlockValues& K, const Eigen::VectorXd& v) const {
   const Damping& damping = model_.params.damping;
@@ -97,23 +126,29 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   return report;
 }
 
-void TransientStep::linearise(const State& begin, double h_s, Linearisation& kept) const {
-  if (kept.generation == begin.generation && kept.h_s == h_s && kept.generation != 0) return;
+StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation& kept) const {
+  if (kept.generation == begin.generation && kept.h_s == h_s && kept.generation != 0) return {};
   kept.generation = begin.generation;
   kept.h_s = h_s;
   kept.map = model_.integrator->map(begin, h_s);
-  linearise_at_tilde(kept);
+  return linearise_at_tilde(kept);
 }
 
 /// f_int, K and the factorised step matrix at x̃ of the map.
-void TransientStep::linearise_at_tilde(Linearisation& kept) const {
+StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
+  const double start_s = now_s();
   kept.inverted_elements = model_.formulation->evaluate(kept.map.x_tilde, kept.f_int, kept.K);
-  const Damping& damping = model_.params.damping;
-  const StepMap& map = kept.map;
-  combine(model_, map.c_a + map.theta * damping.alpha_per_s, &kept.K,
-          map.theta * (damping.beta_s + map.c_x), kept.S);
-  if (!kept.solver) kept.solver = make_solver(model_.params.solver, model_.interior.pattern);
-  kept.factorisation = kept.solver->factorize(kept.S);
+  const double middle_s = now_s();
+  step_matrix(model_, kept.map, kept.K, kept.S);
+  if (!kept.solver) {
+    kept.solver = make_solver(model_.params.solver, model_.interior.pattern, rest_.get());
+  }
+  // The linear formulation's stiffness does not turn with the nodes.
+  const bool warped = rest_ && model_.params.formulation != FormulationKind::Linear &&
+                      model_.params.solver.preconditioner == PreconditionerKind::WarpedRestFactor;
+  kept.factorisation = kept.solver->factorize(
+      kept.S, warped ? node_rotations_.at(kept.map.x_tilde) : std::vector<Eigen::Matrix3d>{});
+  return {.elements_s = middle_s - start_s, .factorize_s = now_s() - middle_s};
 }
 
 TransientStep::Balance TransientStep::balance(const Linearisation& kept, const State& begin,
@@ -142,7 +177,9 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   Eigen::MatrixXd delta = -gather(balance(kept, begin, f_ext, v, d, a).residual, model_.free);
   const Eigen::VectorXd b =
       delta + multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
+  const double start_s = now_s();
   result.report = kept.solver->solve(delta, Eigen::VectorXd::Constant(1, b.norm()));
+  result.times.solve_s = now_s() - start_s;
   if (result.report.outcome == Outcome::Failed) return;
   scatter_add(delta.col(0), model_.free, v);
   scatter_add(map.c_x * delta.col(0), model_.free, d);
@@ -207,8 +244,8 @@ void TransientStep::correct(const State& begin, const Eigen::VectorXd& f_ext, Li
 TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end,
                                              const MotionSet& torque_pose, SimTime h,
                                              Linearisation& kept) const {
-  linearise(begin, to_seconds(h), kept);
   Result result;
+  result.times = linearise(begin, to_seconds(h), kept);
   result.report = kept.factorisation;
   if (kept.factorisation.outcome == Outcome::Failed) return result;
   const StepMap& map = kept.map;

@@ -3,15 +3,23 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "fem_process/model.h"
+#include "fem_process/node_rotations.h"
+#include "fem_process/rest_factor.h"
 #include "fem_process/state.h"
 #include "protocol/contract/port.h"
 #include "protocol/contract/subsystem.h"
 
 namespace tandem::fem {
+
+/// Where the time of a step went (s). Zero for what was kept from an earlier call.
+struct StepTimes {
+  double elements_s = 0.0;   ///< internal forces and stiffness
+  double factorize_s = 0.0;  ///< step matrix, its factor or preconditioner
+  double solve_s = 0.0;      ///< linear solve
+};
 
 /// What one step needs from the state it starts from, whatever its input: kept for repetitions of
 /// the step after a rollback.
@@ -40,7 +48,9 @@ using PortArms = std::vector<std::vector<Eigen::Vector3d>>;
 /// Makes single steps of a model. Const but for the scratch it is handed.
 class TransientStep {
  public:
-  TransientStep(const Model& model, PortArms arms) : model_(model), arms_(std::move(arms)) {}
+  /// For PCG with a rest factor, that of steps of the model's micro step is made here: steps of
+  /// other lengths are as good, but take more iterations.
+  TransientStep(const Model& model, PortArms arms);
 
   /// State and wrenches at t = 0: free nodes with the initial velocity field, port nodes with the
   /// port's rigid velocity, accelerations from M_II a_I = (f_ext − f_int − C v)_I − M_Ip a_p with
@@ -50,6 +60,7 @@ class TransientStep {
 
   struct Result {
     SolveReport report;
+    StepTimes times;
     State state;
     WrenchSet wrenches;
     Eigen::VectorXd d;      ///< x⁺ − x̃ as the balance of forces has it (m)
@@ -68,8 +79,9 @@ class TransientStep {
     Eigen::VectorXd force;     ///< r = C v + f_int − f_ext (N)
     Eigen::VectorXd residual;  ///< M a + θ r + (1 − θ) r_n (N)
   };
-  void linearise(const State& begin, double h_s, Linearisation& kept) const;
-  void linearise_at_tilde(Linearisation& kept) const;
+  /// Returns the times of what it did.
+  StepTimes linearise(const State& begin, double h_s, Linearisation& kept) const;
+  StepTimes linearise_at_tilde(Linearisation& kept) const;
   void correct(const State& begin, const Eigen::VectorXd& f_ext, Linearisation& kept,
                Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
   void prescribe(const MotionSet& motions, Eigen::VectorXd& x, Eigen::VectorXd& v) const;
@@ -80,8 +92,12 @@ class TransientStep {
              Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
   [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
 
+  [[nodiscard]] std::unique_ptr<const RestFactor> factorize_at_rest() const;
+
   const Model& model_;
   PortArms arms_;
+  NodeRotations node_rotations_;
+  std::unique_ptr<const RestFactor> rest_;  ///< null: not used
 };
 
 }  // namespace tandem::fem

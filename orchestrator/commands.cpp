@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "orchestrator/bench_fem_command.h"
 #include "orchestrator/compare.h"
 #include "orchestrator/fem_command.h"
 #include "orchestrator/log_export.h"
@@ -271,6 +272,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_compare(app, exit_code);
   add_replay(app, exit_code);
   add_fem(app, exit_code);
+  add_bench(app);
   add_log(app);
   add_check(app);
   add_schema(app);

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "fem_process/block_matrix.h"
+#include "fem_process/mesh.h"
+
+namespace tandem::fem {
+
+/// How far nodes have turned since the reference positions: the rotation of the polar decomposition
+/// of the mean deformation gradient of the tets around a node, weighted by volume,
+///   F_i = Σ_e V_e F_e / Σ_e V_e = Σ_j (x_j − x_i) ⊗ G_ij,  G_ij = Σ_e V_e ∇N_j / Σ_e V_e.
+class NodeRotations {
+ public:
+  /// Of these nodes; the pattern must outlive the object.
+  NodeRotations(const TetMesh& mesh, const BlockPattern& pattern, std::vector<int> nodes);
+
+  /// At positions x of all nodes (m), in the order of the nodes.
+  [[nodiscard]] std::vector<Eigen::Matrix3d> at(const Eigen::VectorXd& x) const;
+
+ private:
+  const BlockPattern& pattern_;
+  std::vector<int> nodes_;
+  std::vector<Eigen::Vector3d> G_;  ///< per block of the pattern (1/m)
+};
+
+}  // namespace tandem::fem
