@@ -14,4 +14,5 @@ function(tandem_run_test name labels)
 endfunction()
 
 tandem_run_test(run_same_bits "process;equivalence")
+tandem_run_test(run_failures process)
 tandem_run_test(run_log process)
