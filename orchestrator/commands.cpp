@@ -94,6 +94,12 @@ struct RunCommand {
                       s.at("simulated_s").get<double>(), s.at("state_hash").get<std::string>())
               .c_str());
     }
+    const auto not_converged = s.value("not_converged_steps", std::int64_t{0});
+    if (not_converged > 0) {
+      std::printf(
+          "%lld macro step(s) NOT converged, and accepted as coupling.on_not_converged says\n",
+          static_cast<long long>(not_converged));
+    }
     std::printf("run folder: %s\n", directory.path().c_str());
   }
 };

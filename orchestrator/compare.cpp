@@ -34,7 +34,17 @@ void run_once(ComparedRuns& runs, const Model& model, const CompareOptions& opti
   }
   runs.exit_code = outcome.exit_code;
   runs.wall_s.push_back(outcome.summary.at("wall_s").get<double>());
-  runs.summary = outcome.summary;
+  runs.summaries.push_back(outcome.summary);
+}
+
+/// The repetition in the middle (the lower one of two), so that ledger and wall time belong
+/// together.
+const nlohmann::ordered_json& median_summary(const ComparedRuns& runs) {
+  std::vector<std::size_t> order(runs.wall_s.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return runs.wall_s[a] < runs.wall_s[b]; });
+  return runs.summaries[order[(order.size() - 1) / 2]];
 }
 
 /// Both runs' values of all macro steps that both have, component by component.
@@ -80,6 +90,7 @@ Comparison compare(const std::function<Model(const std::string& scheme)>& load,
       run_once(comparison.runs[i], *model_of[i], options, repetition);
     }
   }
+  for (ComparedRuns& runs : comparison.runs) runs.summary = median_summary(runs);
   return comparison;
 }
 

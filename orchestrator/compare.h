@@ -22,8 +22,9 @@ struct ComparedRuns {
   Mode mode = Mode::Lcm;
   std::string scheme;
   int exit_code = 0;
-  std::vector<double> wall_s;              ///< one per repetition
-  nlohmann::ordered_json summary;          ///< of the last repetition
+  std::vector<double> wall_s;                     ///< one per repetition
+  std::vector<nlohmann::ordered_json> summaries;  ///< one per repetition
+  nlohmann::ordered_json summary;          ///< of the repetition whose wall time is the median
   std::vector<AcceptedInterface> history;  ///< of the last repetition, one per macro step
 };
 

@@ -91,7 +91,7 @@ void append_ledger(std::string& table, const Comparison& comparison, const std::
                                                    &comparison.find(Mode::Inproc, scheme),
                                                    &comparison.find(Mode::Lcm, scheme)};
   fmt::format_to(std::back_inserter(table),
-                 "\nwhere the time goes, µs per macro step (last repetition, {})\n"
+                 "\nwhere the time goes, µs per macro step (median repetition, {})\n"
                  "{:<28} {:>12} {:>12} {:>12}\n",
                  scheme, "", "monolithic", "inproc", "lcm");
   for (const auto& [key, unused] : columns[0]->summary.at("ledger_s").items()) {

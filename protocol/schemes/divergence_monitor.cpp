@@ -26,7 +26,7 @@ std::optional<std::string> DivergenceMonitor::check(SimTime H, const MacroStepEn
       return fmt::format("port '{}' carries a value that is not finite", ports_[i].name);
     }
   }
-  if (end.residual_N <= 0.5 * wrench_norm_N(end.wrenches, ports_)) {
+  if (end.residual_N <= std::max(kNegligible_N, 0.5 * wrench_norm_N(end.wrenches, ports_))) {
     streak_ = 0;
     return std::nullopt;
   }

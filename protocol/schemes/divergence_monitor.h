@@ -19,7 +19,9 @@ namespace tandem {
 /// Detects that a run has left its solution:
 ///  * a port quantity is not finite, or
 ///  * the interface energy defect Σ|δE| of a macro step has grown by the factor `growth` since the
-///    beginning of an unbroken streak of at least kShortestStreak macro steps with ‖r‖ > ‖λ‖/2.
+///    beginning of an unbroken streak of at least kShortestStreak macro steps with ‖r‖ > ‖λ‖/2
+///    and ‖r‖ > kNegligible_N: a model at rest exchanges round-off, which is no divergence, and a
+///    real one soon grows past that bound.
 /// An unstable explicit coupling overshoots every step, λ_{n+1} ≈ −κ λ_n with κ > 1, so its
 /// residual exceeds the wrench in every step and its defect grows like κ²; a stable run's residual
 /// is O(H).
@@ -32,6 +34,7 @@ class DivergenceMonitor {
 
  private:
   static constexpr std::int64_t kShortestStreak = 5;
+  static constexpr double kNegligible_N = 1e-6;
 
   double growth_;
   std::vector<PortInfo> ports_;

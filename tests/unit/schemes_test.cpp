@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "protocol/driver/coupled_run.h"
+#include "protocol/schemes/divergence_monitor.h"
 #include "tests/support/mock_sides.h"
 
 namespace tandem {
@@ -91,6 +92,22 @@ TEST(ExplicitSerial, IsStableBelowAndStoppedAboveTheMassRatio) {
   EXPECT_NE(report.message.find("port 'p'"), std::string::npos) << report.message;
   EXPECT_NE(report.message.find("macro step"), std::string::npos) << report.message;
   EXPECT_NE(report.message.find("interface_jacobian"), std::string::npos) << report.message;
+}
+
+TEST(DivergenceMonitor, RoundOffOfAModelAtRestIsNoDivergence) {
+  // Growth by 1e12 within the streak, but of forces that nobody exerts: far below kNegligible_N.
+  DivergenceMonitor monitor(1e3, {{"p", 0.1}});
+  double force_N = 1e-20;
+  for (int n = 0; n < 12; ++n, force_N *= -10.0) {
+    MacroStepEnd end;
+    end.motions = MotionSet(1);
+    end.motions[0].v_WP.x() = force_N;
+    end.wrenches = WrenchSet(1);
+    end.wrenches[0].f_P_W.x() = force_N;
+    end.applied = WrenchSet(1);
+    end.residual_N = std::abs(force_N);
+    EXPECT_FALSE(monitor.check(sim_time_from_seconds(1e-3), end).has_value());
+  }
 }
 
 TEST(ExplicitSerial, ConvergesToTheCoupledStepWithOrderOne) {
