@@ -83,7 +83,9 @@ void save(const std::filesystem::path& file, const std::string& text) {
   std::ofstream out(file, std::ios::binary);
   out << text;
   out.close();
-  require(out.good(), "fem: cannot write " + file.string() + ". Check the folder and the disk.");
+  if (out.good()) return;
+  throw Error(ErrorKind::System,
+              "fem: cannot write " + file.string() + ". Check the folder and the free space.");
 }
 
 }  // namespace

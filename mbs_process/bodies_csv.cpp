@@ -63,9 +63,10 @@ void BodiesCsv::finish() {
 }
 
 void BodiesCsv::require_good() {
-  require(stream_.good(),
-          fmt::format("mbs: cannot write {}: {}. Check the folder and the free space.",
-                      file_.string(), std::strerror(errno)));
+  if (stream_.good()) return;
+  throw Error(ErrorKind::System,
+              fmt::format("mbs: cannot write {}: {}. Check the folder and the free space.",
+                          file_.string(), std::strerror(errno)));
 }
 
 }  // namespace tandem::mbs

@@ -1,14 +1,37 @@
 // tandem: the command line. Each subcommand fills its options and calls one function.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <string>
+#include <vector>
 
 #include "orchestrator/commands.h"
 #include "orchestrator/interruption.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/driver/standard_streams.h"
+#include "protocol/scenario/node.h"
+
+namespace {
+
+/// CLI11 says of a mistyped command only that one is required.
+void require_known_command(const CLI::App& app, int argc, char** argv) {
+  const std::string given = argc > 1 ? argv[1] : "--help";
+  std::vector<std::string> known;
+  std::string list;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    known.push_back(command->get_name());
+    list += (list.empty() ? "" : ", ") + command->get_name();
+  }
+  tandem::require(
+      given.starts_with('-') || std::find(known.begin(), known.end(), given) != known.end(),
+      "tandem: '" + given + "' is not a command." + tandem::scenario::did_you_mean(given, known) +
+          " Commands: " + list + ".");
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace tandem;
@@ -27,6 +50,7 @@ int main(int argc, char** argv) {
   int exit_code = 0;
   orchestrator::add_commands(app, exit_code);
   try {
+    require_known_command(app, argc, argv);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;

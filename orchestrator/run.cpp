@@ -30,6 +30,19 @@ ordered_json heading(const Model& model, Mode mode) {
   return {{"tandem", kTandemVersion}, {"scenario", model.name}, {"mode", to_string(mode)}};
 }
 
+/// A side that refuses its model names the place in the resolved scenario of the run folder. Making
+/// the model here from the user's file names the place there, where it is to be mended.
+std::string place_in_users_file(const Model& model, const Error& error) {
+  if (error.kind() != ErrorKind::Usage) return error.what();
+  try {
+    (void)make_mbs(model, {});
+    (void)make_fem(model, {});
+  } catch (const Error& here) {
+    return here.what();
+  }
+  return error.what();  // the model is good: the fault lies elsewhere, e.g. in the network
+}
+
 RunOutcome outcome_of_failure(const Model& model, Mode mode, int exit_code,
                               const std::string& message, std::int64_t recorded_steps) {
   // Whatever failed after a signal came, failed because of it: Ctrl-C reaches the sides as well.
@@ -70,8 +83,10 @@ RunOutcome run_model(const Model& model, const RunDirectory& directory, const Ru
     outcome = {.exit_code = finished.exit_code, .summary = heading(model, options.mode)};
     outcome.summary.update(ordered_json::parse(finished.summary_json));
   } catch (const Error& error) {
-    outcome = outcome_of_failure(model, options.mode, error.exit_code(), error.what(),
-                                 recorder.recorded_steps());
+    const std::string text =
+        options.mode == Mode::Lcm ? place_in_users_file(model, error) : error.what();
+    outcome =
+        outcome_of_failure(model, options.mode, error.exit_code(), text, recorder.recorded_steps());
   } catch (const std::exception& error) {
     outcome = outcome_of_failure(model, options.mode, 4, error.what(), recorder.recorded_steps());
   }

@@ -14,5 +14,7 @@ function(tandem_run_test name source labels)
 endfunction()
 
 tandem_run_test(run_same_bits process/run_same_bits.cpp "process;equivalence")
+tandem_run_test(run_environment process/run_environment.cpp process)
 tandem_run_test(run_failures process/run_failures.cpp process)
+tandem_run_test(run_input process/run_input.cpp process)
 tandem_run_test(run_log process/run_log.cpp process)

@@ -64,8 +64,7 @@ struct LogWriter::File {
 LogWriter::LogWriter(const std::filesystem::path& file, std::uint64_t run_id,
                      const ScenarioText& scenario)
     : file_(std::make_unique<File>(file.string())), name_(file.string()), run_id_(run_id) {
-  require(file_->log != nullptr,
-          fmt::format("log: cannot write {}: {}", name_, std::strerror(errno)));
+  if (file_->log == nullptr) fail();
   event(Process::Orchestrator, Kind::Scenario, scenario);
   flush();
 }
@@ -89,19 +88,20 @@ void LogWriter::event(Process topic, Kind kind, const Record& record) {
   event.datalen = static_cast<std::int32_t>(message.size());
   event.channel = channel.data();
   event.data = message.data();
-  if (lcm_eventlog_write_event(file_->log, &event) != 0) {
-    throw Error(ErrorKind::Partner, fmt::format("log: cannot write {} at event {}: {}", name_,
-                                                header.sequence, std::strerror(errno)));
-  }
+  if (lcm_eventlog_write_event(file_->log, &event) != 0) fail();
   bytes_ += static_cast<std::int64_t>(kEventHeader + channel.size() + message.size());
 }
 
 // liblcm writes through a buffered stream and flushes at the end only; a full disk shows here.
 void LogWriter::flush() {
-  if (std::fflush(file_->log->f) != 0) {
-    throw Error(ErrorKind::Partner, fmt::format("log: cannot write {} at event {}: {}", name_,
-                                                number_, std::strerror(errno)));
-  }
+  if (std::fflush(file_->log->f) != 0) fail();
+}
+
+void LogWriter::fail() const {
+  throw Error(ErrorKind::System,
+              fmt::format("log: cannot write {} at event {}: {}. Free some space or choose another "
+                          "--out.",
+                          name_, number_, std::strerror(errno)));
 }
 
 void LogWriter::write(const StepJournal& journal) {

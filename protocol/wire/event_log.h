@@ -39,6 +39,7 @@ class LogWriter {
   template <class Record>
   void event(Process topic, Kind kind, const Record& record);
   void flush();
+  [[noreturn]] void fail() const;
 
   std::unique_ptr<File> file_;
   std::string name_;

@@ -144,9 +144,13 @@ void LivenessMonitor::release(Process process) {
 }
 
 void LivenessMonitor::on_abort(const Abort& abort) const {
+  constexpr const char* kEnded = " ended with exit code ";
+  // A process that ended because another one did passes on that one's words.
+  const bool passed_on = abort.text.find(kEnded) != std::string::npos;
   throw Error(kind_of_exit_code(abort.exit_code),
-              fmt::format("{} ended with exit code {}: {}", executable_of(abort.header.sender),
-                          abort.exit_code, abort.text));
+              passed_on ? abort.text
+                        : fmt::format("{}{}{}: {}", executable_of(abort.header.sender), kEnded,
+                                      abort.exit_code, abort.text));
 }
 
 void LivenessMonitor::fail_silent(const Partner& partner) const {

@@ -312,8 +312,9 @@ TEST_F(RunLogDamage, IsPlayedByLcmLogplayer) {
   lcm_subscription_set_queue_capacity(all, 0);  // no limit
   ChildProcess process(
       {player, "--speed=0.05", "--lcm-url=" + url, (original() / "exchange.lcm").string()});
-  // A call handles one message, or none within 100 ms: silence for two seconds is the end.
-  for (int idle = 0; idle < 20 && heard.size() < events_.size();) {
+  // A call handles one message, or none within 100 ms. The player stretches the pauses of the run,
+  // its start-up above all, by twenty: only a silence of forty seconds is the end.
+  for (int idle = 0; idle < 400 && heard.size() < events_.size();) {
     idle = lcm_handle_timeout(listener, 100) > 0 ? 0 : idle + 1;
   }
   lcm_destroy(listener);
