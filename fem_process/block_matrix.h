@@ -41,13 +41,27 @@ struct SubPattern {
 };
 [[nodiscard]] SubPattern sub_pattern(const BlockPattern& whole, const std::vector<int>& kept);
 
+/// The part of a product y = A x, A symmetric, that is wanted: x vanishes outside `columns`, or y
+/// is used at `rows` alone (elsewhere it is zero). Nodes in ascending order; null: all.
+struct ProductPart {
+  const std::vector<int>* columns = nullptr;
+  const std::vector<int>* rows = nullptr;
+};
+
 /// y = A x with 3 rows per node. The sums run in column order: the same bits every time.
 [[nodiscard]] Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockValues& values,
-                                       const Eigen::VectorXd& x);
+                                       const Eigen::VectorXd& x, ProductPart part = {});
+
+/// Eight vectors side by side, one a row: column 3 i + k holds component k at node i of all.
+using EightVectors = Eigen::Matrix<double, 8, Eigen::Dynamic>;
+
+/// Y = A X for eight vectors at once.
+[[nodiscard]] EightVectors multiply_eight(const BlockPattern& pattern, const BlockValues& values,
+                                          const EightVectors& X);
 
 /// y = (S ⊗ I₃) x: one number per block, as in a mass matrix.
 [[nodiscard]] Eigen::VectorXd multiply_scalar(const BlockPattern& pattern,
                                               const std::vector<double>& values,
-                                              const Eigen::VectorXd& x);
+                                              const Eigen::VectorXd& x, ProductPart part = {});
 
 }  // namespace tandem::fem

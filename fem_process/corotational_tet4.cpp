@@ -18,28 +18,20 @@ Tet4 make_element(const TetMesh& mesh, const Tet& tet, const Matrix6d& D,
   return element;
 }
 
-/// Adds R K_e Rᵀ into the fixed pattern; block (j, i) is the transpose of (i, j).
-void add_rotated(const Tet4& element, const Eigen::Matrix3d& R, BlockValues& K) {
-  for (int i = 0; i < 4; ++i) {
-    for (int j = i; j < 4; ++j) {
-      const Eigen::Matrix3d rotated = R * element.K.block<3, 3>(3 * i, 3 * j) * R.transpose();
-      const auto upper = static_cast<std::size_t>(4 * i + j);
-      const auto lower = static_cast<std::size_t>(4 * j + i);
-      if (i == j) {
-        // Symmetric but for round-off: made so exactly.
-        block(K, element.blocks[upper]) += 0.5 * (rotated + rotated.transpose());
-      } else {
-        block(K, element.blocks[upper]) += rotated;
-        block(K, element.blocks[lower]) += rotated.transpose();
-      }
-    }
-  }
+std::vector<TetShape> tet_shapes(const TetMesh& mesh, const BlockPattern& pattern) {
+  std::vector<TetShape> shapes;
+  shapes.reserve(mesh.tets.size());
+  for (const Tet& tet : mesh.tets) shapes.push_back(make_tet_shape(mesh, tet, pattern));
+  return shapes;
 }
 
 }  // namespace
 
 CorotationalTet4::CorotationalTet4(const TetMesh& mesh, const Material& material)
-    : X_(3 * mesh.nodes()), D_(elasticity(material)), pattern_(pattern_of(mesh)) {
+    : X_(3 * mesh.nodes()),
+      D_(elasticity(material)),
+      pattern_(pattern_of(mesh)),
+      kernel_(tet_shapes(mesh, pattern_), pattern_, material) {
   check(material);
   for (int i = 0; i < mesh.nodes(); ++i) X_.segment<3>(3 * i) = mesh.X[static_cast<std::size_t>(i)];
   elements_.reserve(mesh.tets.size());
@@ -63,20 +55,7 @@ CorotationalTet4::Local CorotationalTet4::localise(const Tet4& element,
 
 int CorotationalTet4::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int,
                                BlockValues& K) const {
-  f_int.setZero(x.size());
-  K.assign(9 * pattern_.blocks(), 0.0);
-  int inverted = 0;
-  for (const Tet4& element : elements_) {
-    const Local local = localise(element, x);
-    inverted += local.inverted ? 1 : 0;
-    const Vector12d f = element.K * local.u;
-    for (int i = 0; i < 4; ++i) {
-      f_int.segment<3>(3 * element.nodes[static_cast<std::size_t>(i)]) +=
-          local.R * f.segment<3>(3 * i);
-    }
-    add_rotated(element, local.R, K);
-  }
-  return inverted;
+  return kernel_.evaluate(x, f_int, K);
 }
 
 /// With dR = R Ω and S = Rᵀ F: from Rᵀ dF = Ω S + dS, the axial vector ω of Ω solves

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "fem_process/corotational_kernel.h"
 #include "fem_process/formulation.h"
 #include "fem_process/material.h"
 #include "fem_process/mesh.h"
@@ -45,6 +46,7 @@ class CorotationalTet4 final : public Formulation {
   Eigen::VectorXd X_;
   Matrix6d D_;
   BlockPattern pattern_;
+  CorotationalKernel kernel_;
   std::vector<Tet4> elements_;
 };
 

@@ -110,7 +110,7 @@ Key solver_key() {
   solver.keys = {
       scenario::choice("kind", {"cholmod", "pcg"})
           .by_default("cholmod")
-          .doc_is("Sparse Cholesky, or conjugate gradients started from the last velocities."),
+          .doc_is("Sparse Cholesky, or conjugate gradients started from past velocities."),
       scenario::real("tolerance", "")
           .only_when("kind", {"pcg"})
           .above(0)
@@ -128,6 +128,11 @@ Key solver_key() {
           .by_default("warped_rest_factor")
           .doc_is("What PCG takes for the inverse: that of the 3×3 diagonal blocks, of the step "
                   "matrix at the reference positions, or of that one turned with the nodes."),
+      scenario::choice("initial_guess", {"previous", "projection"})
+          .only_when("kind", {"pcg"})
+          .by_default("projection")
+          .doc_is("Where PCG starts: the last velocities, or the best combination of the last "
+                  "eight."),
   };
   return scenario::section("solver", std::move(solver))
       .by_default("{}")
@@ -218,6 +223,7 @@ SolverParams read_solver(const Node& node) {
     solver.tolerance = node.real("tolerance");
     solver.max_iterations = static_cast<int>(node.integer("max_iterations"));
     solver.preconditioner = read_preconditioner(node.text("preconditioner"));
+    if (node.text("initial_guess") == "previous") solver.initial_guess = InitialGuess::Previous;
   }
   return solver;
 }

@@ -21,11 +21,18 @@ enum class PreconditionerKind {
   WarpedRestFactor  ///< W A₀ Wᵀ, W the nodes' rotations since then [Courtecuisse et al. 2010]
 };
 
+/// Where PCG starts.
+enum class InitialGuess {
+  Previous,   ///< the last velocities [Marinkovic & Zehn 2012]
+  Projection  ///< the best combination of the last eight in the norm of A [Fischer 1998]
+};
+
 struct SolverParams {
   SolverKind kind = SolverKind::Cholmod;
   double tolerance = 1e-12;  ///< PCG: ‖b − A v‖₂ ≤ tolerance ‖b‖₂
   int max_iterations = 5000;
   PreconditionerKind preconditioner = PreconditionerKind::WarpedRestFactor;
+  InitialGuess initial_guess = InitialGuess::Projection;
 };
 
 struct SolveReport {

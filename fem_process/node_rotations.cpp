@@ -1,11 +1,27 @@
 #include "fem_process/node_rotations.h"
 
+#include <algorithm>
 #include <utility>
 
-#include "fem_process/polar.h"
+#include "fem_process/polar_lanes.h"
 #include "fem_process/tet4.h"
 
 namespace tandem::fem {
+namespace {
+
+/// R = polar(F) of four matrices.
+TANDEM_INLINE void turn_body(const double (&F)[9][kLanes], double (&R)[9][kLanes]) {
+  LaneMatrix in;
+  LaneMatrix out;
+  for (int k = 0; k < 9; ++k) load(in.at[k], F[k]);
+  polar_lanes(in, out);
+  for (int k = 0; k < 9; ++k) std::memcpy(R[k], &out.at[k], sizeof R[k]);
+}
+
+TANDEM_VECTOR_FUNCTION(turn, turn_body, (const double (&F)[9][kLanes], double (&R)[9][kLanes]),
+                       (F, R))
+
+}  // namespace
 
 NodeRotations::NodeRotations(const TetMesh& mesh, const BlockPattern& pattern,
                              std::vector<int> nodes)
@@ -29,19 +45,32 @@ NodeRotations::NodeRotations(const TetMesh& mesh, const BlockPattern& pattern,
 }
 
 std::vector<Eigen::Matrix3d> NodeRotations::at(const Eigen::VectorXd& x) const {
-  std::vector<Eigen::Matrix3d> rotations;
-  rotations.reserve(nodes_.size());
-  for (int node : nodes_) {
-    const auto row = static_cast<std::size_t>(node);
-    const Eigen::Vector3d x_i = x.segment<3>(3 * node);
-    Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
-    for (int b = pattern_.row_start[row]; b < pattern_.row_start[row + 1]; ++b) {
-      const auto at = static_cast<std::size_t>(b);
-      F += (x.segment<3>(3 * pattern_.column[at]) - x_i) * G_[at].transpose();
+  std::vector<Eigen::Matrix3d> rotations(nodes_.size());
+  for (std::size_t first = 0; first < nodes_.size(); first += kLanes) {
+    const std::size_t count = std::min<std::size_t>(kLanes, nodes_.size() - first);
+    double F[9][kLanes];
+    for (std::size_t n = 0; n < kLanes; ++n) {
+      const Block lane = gradient(nodes_[first + std::min(n, count - 1)], x);
+      for (int k = 0; k < 9; ++k) F[k][n] = lane(k / 3, k % 3);
     }
-    rotations.push_back(polar_rotation(F).R);
+    double R[9][kLanes];
+    turn(F, R);
+    for (std::size_t n = 0; n < count; ++n) {
+      for (int k = 0; k < 9; ++k) rotations[first + n](k / 3, k % 3) = R[k][n];
+    }
   }
   return rotations;
+}
+
+Block NodeRotations::gradient(int node, const Eigen::VectorXd& x) const {
+  const auto row = static_cast<std::size_t>(node);
+  const Eigen::Vector3d x_i = x.segment<3>(3 * node);
+  Block F = Block::Zero();
+  for (int b = pattern_.row_start[row]; b < pattern_.row_start[row + 1]; ++b) {
+    const auto at = static_cast<std::size_t>(b);
+    F.noalias() += (x.segment<3>(3 * pattern_.column[at]) - x_i) * G_[at].transpose();
+  }
+  return F;
 }
 
 }  // namespace tandem::fem

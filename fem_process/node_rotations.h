@@ -20,6 +20,9 @@ class NodeRotations {
   [[nodiscard]] std::vector<Eigen::Matrix3d> at(const Eigen::VectorXd& x) const;
 
  private:
+  /// F of a node.
+  [[nodiscard]] Block gradient(int node, const Eigen::VectorXd& x) const;
+
   const BlockPattern& pattern_;
   std::vector<int> nodes_;
   std::vector<Eigen::Vector3d> G_;  ///< per block of the pattern (1/m)

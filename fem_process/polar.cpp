@@ -6,9 +6,6 @@
 namespace tandem::fem {
 namespace {
 
-/// Below this fraction of ‖F‖³ the determinant's sign is not to be trusted to Newton's iteration.
-constexpr double kSingular = 1e-6;
-
 /// R⁻ᵀ det R.
 Eigen::Matrix3d cofactor(const Eigen::Matrix3d& R) {
   Eigen::Matrix3d c;
@@ -30,7 +27,8 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& F) {
 
 PolarRotation polar_rotation(const Eigen::Matrix3d& F) {
   const double norm = F.norm();
-  if (!(F.determinant() > kSingular * norm * norm * norm)) return {nearest_rotation(F), true};
+  if (!(F.determinant() > kSingularFraction * norm * norm * norm))
+    return {nearest_rotation(F), true};
   Eigen::Matrix3d R = F;
   // Quadratic convergence: a step below 3e-9 ends within 1e-17 of the limit.
   for (int k = 0; k < 30; ++k) {

@@ -4,6 +4,9 @@
 
 namespace tandem::fem {
 
+/// Below this fraction of ‖F‖³ the determinant's sign is not to be trusted to Newton's iteration.
+inline constexpr double kSingularFraction = 1e-6;
+
 struct PolarRotation {
   Eigen::Matrix3d R;
   bool inverted = false;  ///< det F ≤ 0, or so near to it that the robust road was taken

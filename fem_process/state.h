@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "fem_process/block_matrix.h"
 #include "protocol/contract/hash.h"
 #include "protocol/contract/sim_time.h"
 
@@ -18,6 +19,10 @@ struct State {
   Eigen::VectorXd a_mean;  ///< (v − v_previous)/h of the last step: prescribed nodes' history
   Eigen::VectorXd force;   ///< C v + f_int − f_ext (N)
   Eigen::VectorXd react;   ///< nodal reactions (N), zero at free nodes
+  /// Velocities of the free nodes at the last eight times, for the initial guess of the next step;
+  /// empty when it is not made of them. Row `past_next` is the oldest.
+  EightVectors past;
+  int past_next = 0;
   double external_work_J = 0.0;
   int inverted_elements = 0;  ///< at the last linearisation
   /// Number of this state: equal numbers mean equal states, so that what was computed from a state
@@ -29,6 +34,10 @@ struct State {
     hash.add(static_cast<std::int64_t>(time.count()));
     for (const Eigen::VectorXd* values : {&x, &v, &a, &a_mean, &force, &react}) {
       hash.add(std::span<const double>(values->data(), static_cast<std::size_t>(values->size())));
+    }
+    if (past.size() > 0) {
+      hash.add(std::span<const double>(past.data(), static_cast<std::size_t>(past.size())));
+      hash.add(static_cast<std::int64_t>(past_next));
     }
     hash.add(external_work_J);
     return hash.value();

@@ -98,12 +98,14 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
 }
 
 /// Derivative of r = C v + f_int − f_ext.
-Eigen::VectorXd StepTangent::force(const Direction& direction, const Linearisation& kept) const {
+Eigen::VectorXd StepTangent::force(const Direction& direction, const Linearisation& kept,
+                                   ProductPart part) const {
   const Damping& damping = model_.params.damping;
   Eigen::VectorXd change =
-      multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv + direction.dd);
+      multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv + direction.dd, part);
   if (damping.alpha_per_s > 0.0) {
-    change += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, direction.dv);
+    change +=
+        damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, direction.dv, part);
   }
   if (direction.turning.size() > 0) change += direction.turning;
   return change;
@@ -111,10 +113,10 @@ Eigen::VectorXd StepTangent::force(const Direction& direction, const Linearisati
 
 /// Derivative of M a + θ r + (1 − θ) r_n.
 Eigen::VectorXd StepTangent::residual(const Direction& direction, const Eigen::VectorXd& force,
-                                      const Linearisation& kept) const {
+                                      const Linearisation& kept, ProductPart part) const {
   const double theta = kept.map.theta;
   Eigen::VectorXd change =
-      multiply_scalar(model_.pattern(), model_.mass, direction.da) + theta * force;
+      multiply_scalar(model_.pattern(), model_.mass, direction.da, part) + theta * force;
   if (direction.begin.force.size() > 0) change += (1.0 - theta) * direction.begin.force;
   return change;
 }
@@ -123,8 +125,11 @@ Eigen::VectorXd StepTangent::residual(const Direction& direction, const Eigen::V
 ///   df = −Σ dg,   dt = −Σ r × dg − Σ (δθ × r) × g
 void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result& result,
                          const Linearisation& kept, Eigen::Index column, Direction& direction) {
-  Eigen::VectorXd d_force = force(direction, kept);
-  Eigen::VectorXd d_react = residual(direction, d_force, kept);
+  // Without history the reactions alone are needed.
+  ProductPart part;
+  if (!model_.integrator->keeps_history()) part.rows = &model_.prescribed;
+  Eigen::VectorXd d_force = force(direction, kept, part);
+  Eigen::VectorXd d_react = residual(direction, d_force, kept, part);
   if (direction.begin.react.size() > 0) {
     d_react -= (1.0 - kept.map.theta) * direction.begin.react;
   }
@@ -171,7 +176,13 @@ SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
     prescribe(end, result, kept, c, direction);
     if (!direction.moves) continue;
     const auto k = static_cast<Eigen::Index>(moving.size());
-    delta.col(k) = -gather(residual(direction, force(direction, kept), kept), model_.free);
+    // In the first micro step nothing but the port moves yet.
+    ProductPart part;
+    if (direction.begin.x.size() == 0) {
+      part.columns = &model_.ports[static_cast<std::size_t>(c / 12)].nodes;
+    }
+    delta.col(k) =
+        -gather(residual(direction, force(direction, kept, part), kept, part), model_.free);
     norms(k) = delta.col(k).norm();
     moving.push_back(c);
   }

@@ -52,9 +52,10 @@ class StepTangent {
   };
   void prescribe(const Motions& end, const TransientStep::Result& result, const Linearisation& kept,
                  Eigen::Index column, Direction& direction) const;
-  [[nodiscard]] Eigen::VectorXd force(const Direction& direction, const Linearisation& kept) const;
+  [[nodiscard]] Eigen::VectorXd force(const Direction& direction, const Linearisation& kept,
+                                      ProductPart part) const;
   [[nodiscard]] Eigen::VectorXd residual(const Direction& direction, const Eigen::VectorXd& force,
-                                         const Linearisation& kept) const;
+                                         const Linearisation& kept, ProductPart part) const;
   void finish(const Motions& torque_pose, const TransientStep::Result& result,
               const Linearisation& kept, Eigen::Index column, Direction& direction);
 

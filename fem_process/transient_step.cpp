@@ -1,7 +1,8 @@
 #include "fem_process/transient_step.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "fem_process/node_vectors.h"
@@ -29,6 +30,24 @@ void step_matrix(const Model& model, const StepMap& map, const BlockValues& K, B
           map.theta * (damping.beta_s + map.c_x), S);
 }
 
+/// The combination v = Σ y_k v_k of the last velocities that is nearest to the solution of S v = b,
+/// in the norm of S: (v_jᵀ S v_k) y = v_jᵀ b. Velocities whose new part is
+/// round-off are left out.
+Eigen::VectorXd project(const EightVectors& past, const EightVectors& S_past,
+                        const Eigen::VectorXd& b) {
+  using Matrix8d = Eigen::Matrix<double, 8, 8>;
+  using Vector8d = Eigen::Matrix<double, 8, 1>;
+  const Matrix8d G = past * S_past.transpose();
+  Vector8d scale;
+  for (int k = 0; k < 8; ++k) scale[k] = G(k, k) > 0.0 ? 1.0 / std::sqrt(G(k, k)) : 0.0;
+  const Matrix8d scaled = scale.asDiagonal() * (0.5 * (G + G.transpose())) * scale.asDiagonal();
+  Eigen::CompleteOrthogonalDecomposition<Matrix8d> qr;
+  qr.setThreshold(1e-14);
+  qr.compute(scaled);
+  const Vector8d y = scale.asDiagonal() * qr.solve(scale.asDiagonal() * (past * b));
+  return past.transpose() * y;
+}
+
 }  // namespace
 
 TransientStep::TransientStep(const Model& model, PortArms arms)
@@ -50,6 +69,16 @@ std::unique_ptr<const RestFactor> TransientStep::factorize_at_rest() const {
   const StepMap map = model_.integrator->map(State{}, to_seconds(model_.params.micro_step));
   step_matrix(model_, map, K, S);
   return std::make_unique<const RestFactor>(model_.interior.pattern, S);
+}
+
+bool TransientStep::remembers() const {
+  const SolverParams& solver = model_.params.solver;
+  return solver.kind == SolverKind::Pcg && solver.initial_guess == InitialGuess::Projection;
+}
+
+void TransientStep::remember(const Eigen::VectorXd& v, State& state) const {
+  state.past.row(state.past_next) = gather(v, model_.free).transpose();
+  state.past_next = (state.past_next + 1) % 8;
 }
 
 Eigen::VectorXd TransientStep::damping_force(const BlockValues& K, const Eigen::VectorXd& v) const {
@@ -91,6 +120,10 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   state.x = model_.reference();
   state.v = model_.initial_velocities();
   prescribe(motions, state.x, state.v);
+  if (remembers()) {
+    state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
+    remember(state.v, state);
+  }
   Eigen::VectorXd f_int;
   BlockValues K;
   state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
@@ -131,7 +164,13 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
   kept.generation = begin.generation;
   kept.h_s = h_s;
   kept.map = model_.integrator->map(begin, h_s);
-  return linearise_at_tilde(kept);
+  StepTimes times = linearise_at_tilde(kept);
+  if (remembers()) {
+    const double start_s = now_s();
+    kept.S_past = multiply_eight(model_.interior.pattern, kept.S, begin.past);
+    times.factorize_s += now_s() - start_s;
+  }
+  return times;
 }
 
 /// f_int, K and the factorised step matrix at x̃ of the map.
@@ -154,21 +193,21 @@ StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
 TransientStep::Balance TransientStep::balance(const Linearisation& kept, const State& begin,
                                               const Eigen::VectorXd& f_ext,
                                               const Eigen::VectorXd& v, const Eigen::VectorXd& d,
-                                              const Eigen::VectorXd& a) const {
+                                              const Eigen::VectorXd& a, ProductPart part) const {
   const Damping& damping = model_.params.damping;
   const double theta = kept.map.theta;
   Balance balance;
-  balance.force = kept.f_int - f_ext + multiply(model_.pattern(), kept.K, damping.beta_s * v + d);
+  balance.force =
+      kept.f_int - f_ext + multiply(model_.pattern(), kept.K, damping.beta_s * v + d, part);
   if (damping.alpha_per_s > 0.0) {
-    balance.force += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, v);
+    balance.force += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, v, part);
   }
-  balance.residual = multiply_scalar(model_.pattern(), model_.mass, a) + theta * balance.force;
+  balance.residual =
+      multiply_scalar(model_.pattern(), model_.mass, a, part) + theta * balance.force;
   if (begin.force.size() > 0) balance.residual += (1.0 - theta) * begin.force;
   return balance;
 }
 
-/// Corrects v (free nodes: a guess; prescribed nodes: final) to the balance of forces; fills d, the
-/// reactions and the histories of `result`.
 void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
                           const Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
                           Result& result) const {
@@ -178,6 +217,13 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   const Eigen::VectorXd b =
       delta + multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
   const double start_s = now_s();
+  if (kept.S_past.size() > 0) {
+    const Eigen::VectorXd change = project(begin.past, kept.S_past, b) - gather(v, model_.free);
+    scatter_add(change, model_.free, v);
+    scatter_add(Eigen::VectorXd(map.c_x * change), model_.free, d);
+    scatter_add(Eigen::VectorXd(map.c_a * change), model_.free, a);
+    delta = b - multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
+  }
   result.report = kept.solver->solve(delta, Eigen::VectorXd::Constant(1, b.norm()));
   result.times.solve_s = now_s() - start_s;
   if (result.report.outcome == Outcome::Failed) return;
@@ -185,7 +231,10 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   scatter_add(map.c_x * delta.col(0), model_.free, d);
   scatter_add(map.c_a * delta.col(0), model_.free, a);
 
-  Balance balanced = balance(kept, begin, f_ext, v, d, a);
+  // Without history the reactions alone are needed.
+  ProductPart part;
+  if (!model_.integrator->keeps_history()) part.rows = &model_.prescribed;
+  Balance balanced = balance(kept, begin, f_ext, v, d, a, part);
   result.react = std::move(balanced.residual);
   if (begin.react.size() > 0) result.react -= (1.0 - map.theta) * begin.react;
   result.react /= map.theta;
@@ -277,6 +326,11 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   const Eigen::VectorXd loads =
       model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time));
   result.state.external_work_J = begin.external_work_J + 0.5 * loads.dot(x - begin.x);
+  if (remembers()) {
+    result.state.past = begin.past;
+    result.state.past_next = begin.past_next;
+    remember(v, result.state);
+  }
   result.state.time = time;
   result.state.inverted_elements = kept.last().inverted_elements;
   result.state.x = std::move(x);

@@ -33,6 +33,7 @@ struct Linearisation {
   std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
   BlockValues S;                         ///< interior step matrix (kg/s)
   SolveReport factorisation;
+  EightVectors S_past;  ///< S times the last velocities, when the initial guess is made of them
   /// With Newton steps: the same at the step's last iterate.
   std::unique_ptr<Linearisation> corrected;
   [[nodiscard]] const Linearisation& last() const { return corrected ? *corrected : *this; }
@@ -87,11 +88,16 @@ class TransientStep {
   void prescribe(const MotionSet& motions, Eigen::VectorXd& x, Eigen::VectorXd& v) const;
   [[nodiscard]] Balance balance(const Linearisation& kept, const State& begin,
                                 const Eigen::VectorXd& f_ext, const Eigen::VectorXd& v,
-                                const Eigen::VectorXd& d, const Eigen::VectorXd& a) const;
+                                const Eigen::VectorXd& d, const Eigen::VectorXd& a,
+                                ProductPart part = {}) const;
+  /// Corrects v (free nodes: a guess; prescribed nodes: final) to the balance of forces; fills d,
+  /// the reactions and the histories of `result`.
   void solve(const State& begin, const Eigen::VectorXd& f_ext, const Linearisation& kept,
              Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
   [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
 
+  [[nodiscard]] bool remembers() const;
+  void remember(const Eigen::VectorXd& v, State& state) const;
   [[nodiscard]] std::unique_ptr<const RestFactor> factorize_at_rest() const;
 
   const Model& model_;

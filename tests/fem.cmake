@@ -15,3 +15,9 @@ tandem_test(fem_convergence SOURCES convergence/fem_order.cpp LIBS fem LABELS co
 add_executable(figure4 bench/figure4.cpp support/fem_reference_cases.cpp)
 target_link_libraries(figure4 PRIVATE tandem_options orchestrator fmt::fmt)
 target_compile_definitions(figure4 PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+# Times of one step, for profilers; no test.
+find_package(benchmark REQUIRED)
+add_executable(fem_step bench/fem_step.cpp)
+target_link_libraries(fem_step PRIVATE tandem_options fem benchmark::benchmark)
+target_compile_definitions(fem_step PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
