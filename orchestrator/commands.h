@@ -10,4 +10,12 @@ namespace tandem::orchestrator {
 /// errors of the user and of the machine are thrown as tandem::Error.
 void add_commands(CLI::App& app, int& exit_code);
 
+// One subcommand each, in a file of its name.
+void add_run(CLI::App& app, int& exit_code);
+void add_compare(CLI::App& app, int& exit_code);
+void add_replay(CLI::App& app, int& exit_code);
+void add_log(CLI::App& app);
+void add_check(CLI::App& app);
+void add_keys(CLI::App& app);
+
 }  // namespace tandem::orchestrator

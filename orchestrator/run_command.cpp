@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "orchestrator/commands.h"
+#include "orchestrator/run.h"
+#include "orchestrator/run_directory.h"
+#include "orchestrator/scenario_options.h"
+#include "protocol/contract/error.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+struct RunCommand {
+  ScenarioOptions scenario;
+  std::string transport = "lcm";
+  bool monolithic = false;
+  bool attach = false;
+  bool quiet = false;
+
+  [[nodiscard]] Mode mode() const {
+    require(!(monolithic && attach), "--attach: a monolithic run has no side processes to start");
+    if (monolithic) return Mode::Monolithic;
+    return transport == "lcm" ? Mode::Lcm : Mode::Inproc;
+  }
+
+  int run() const {
+    const Model model = scenario.load();
+    const RunDirectory directory = RunDirectory::create(scenario.folder(), model.name);
+    const RunOutcome outcome =
+        run_model(model, directory, {.mode = mode(), .silent = quiet, .attach = attach});
+    report(outcome, directory);
+    return outcome.exit_code;
+  }
+
+  static void report(const RunOutcome& outcome, const RunDirectory& directory) {
+    const auto& s = outcome.summary;
+    if (outcome.exit_code != 0) {
+      std::fprintf(stderr, "%s\n", s.at("message").get<std::string>().c_str());
+    }
+    if (s.contains("wall_s")) {
+      std::printf(
+          "%s\n",
+          fmt::format("{} ({}, {}): {}, {} macro steps, {:.2f} iterations per step, "
+                      "{:.3f} s wall for {:.3f} s simulated, state {}",
+                      s.at("scenario").get<std::string>(), s.at("mode").get<std::string>(),
+                      s.at("scheme").get<std::string>(), s.at("status").get<std::string>(),
+                      s.at("macro_steps").get<std::int64_t>(),
+                      s.at("iterations").at("mean").get<double>(), s.at("wall_s").get<double>(),
+                      s.at("simulated_s").get<double>(), s.at("state_hash").get<std::string>())
+              .c_str());
+    }
+    const auto not_converged = s.value("not_converged_steps", std::int64_t{0});
+    if (not_converged > 0) {
+      std::printf(
+          "%lld macro step(s) NOT converged, and accepted as coupling.on_not_converged says\n",
+          static_cast<long long>(not_converged));
+    }
+    std::printf("run folder: %s\n", directory.path().c_str());
+  }
+};
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_code) {
+  auto command = std::make_shared<RunCommand>();
+  CLI::App* sub = app.add_subcommand("run", "Run a coupled pair and write a run folder");
+  command->scenario.declare(*sub);
+  sub->add_option("--scheme", command->scenario.scheme,
+                  "explicit_serial, implicit or interface_jacobian");
+  sub->add_option("--out", command->scenario.out, "Run folder [runs/<scenario>/<UTC time>]");
+  sub->add_option("--transport", command->transport, "lcm: two processes; inproc: one")
+      ->check(CLI::IsMember({"lcm", "inproc"}))
+      ->capture_default_str();
+  sub->add_flag("--monolithic", command->monolithic,
+                "One process, one coupled system per step: the reference for cost and error");
+  sub->add_flag("--attach", command->attach,
+                "Do not start the sides: print how to start them by hand (debugger)");
+  sub->add_flag("--quiet", command->quiet, "No progress and no forwarded logs");
+  sub->callback([command, &exit_code] { exit_code = command->run(); });
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,25 @@
+#include "orchestrator/scenario_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "protocol/scenario/scenario_file.h"
+
+namespace tandem::orchestrator {
+
+void ScenarioOptions::declare(CLI::App& command) {
+  command.add_option("SCENARIO", file, "Scenario file (YAML)")->required();
+  command.add_option("--set", sets, "Override one key: --set coupling.scheme=implicit")
+      ->type_name("KEY=VALUE")
+      ->take_all();
+  command.add_option("--driver", driver, "Process that runs the scheme: mbs or orchestrator");
+}
+
+Model ScenarioOptions::load() const {
+  std::vector<scenario::Override> overrides;
+  for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
+  if (!scheme.empty()) overrides.push_back({"coupling.scheme", scheme});
+  if (!driver.empty()) overrides.push_back({"wire.driver", driver});
+  return load_model(file, overrides);
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "orchestrator/model.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tandem::orchestrator {
+
+/// Options that every command on a scenario has.
+struct ScenarioOptions {
+  std::string file;
+  std::vector<std::string> sets;
+  std::string scheme;
+  std::string driver;
+  std::string out;
+
+  void declare(CLI::App& command);
+  /// The scenario with the overrides; throws a Usage error.
+  [[nodiscard]] Model load() const;
+  [[nodiscard]] std::optional<std::filesystem::path> folder() const {
+    return out.empty() ? std::nullopt : std::optional<std::filesystem::path>(out);
+  }
+};
+
+}  // namespace tandem::orchestrator
