@@ -47,6 +47,7 @@ const std::vector<Confinement>& confinements() {
       {"tandem_wire/", {"protocol/wire/"}},
       {"cholmod", {"fem_process/cholmod_solver."}},
       {"umfpack", {"fem_process/umfpack_solver."}},
+      {"klu", {"fem_process/ancf/klu_solver."}},
       {"Spectra/", {"fem_process/modal_analysis."}},
       {"yaml-cpp/", {"protocol/scenario/yaml_tree."}},
       {"CLI/", {"orchestrator/", "protocol/driver/side_process."}}};

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace tandem::fem::ancf {
+
+/// Vectors of a beam element: r¹, r_x¹, r_y¹, r_z¹, r², r_x², r_y², r_z².
+inline constexpr int kVectors = 8;
+inline constexpr int kCoordinates = 3 * kVectors;
+
+/// Rectangular cross-section: y in [−w/2, w/2], z in [−h/2, h/2].
+struct BeamSection {
+  double width_m = 0.0;
+  double height_m = 0.0;
+  [[nodiscard]] double area_m2() const { return width_m * height_m; }
+};
+
+/// The vectors e_a of an element (m, and 1 for gradients), as columns.
+using BeamVectors = Eigen::Matrix<double, 3, kVectors>;
+
+/// Shape functions s_a of the fully parameterised beam element: r(x, y, z) = Σ s_a e_a with x = l
+/// ξ.
+///   s1 = 1 − 3ξ² + 2ξ³   s2 = l(ξ − 2ξ² + ξ³)   s3 = y(1 − ξ)   s4 = z(1 − ξ)
+///   s5 = 3ξ² − 2ξ³       s6 = l(ξ³ − ξ²)        s7 = yξ         s8 = zξ
+/// [Yakoub & Shabana 2001; eq. (4) of JC11]
+[[nodiscard]] Eigen::Matrix<double, kVectors, 1> shape_values(double length_m, double xi, double y,
+                                                              double z);
+
+/// ∂s_a/∂(x, y, z) as rows (1/m for vectors 1 and 5, else without unit).
+[[nodiscard]] Eigen::Matrix<double, kVectors, 3> shape_gradients(double length_m, double xi,
+                                                                 double y, double z);
+
+/// Points and weights of the Gauss-Legendre rule on [0, 1], exact to degree 2n − 1.
+struct GaussRule {
+  std::vector<double> point, weight;
+};
+[[nodiscard]] GaussRule gauss_rule(int n);
+
+/// Scalar mass matrix m_ab = ∫ ρ s_a s_b dV of a straight stress-free element (kg, with lengths of
+/// the gradient coordinates): M = m_ab ⊗ I₃ is constant, so there are no Coriolis or centrifugal
+/// terms. Closed form.
+[[nodiscard]] Eigen::Matrix<double, kVectors, kVectors> mass_matrix(double density_kg_per_m3,
+                                                                    double length_m,
+                                                                    const BeamSection& section);
+
+/// The same by quadrature for an element whose stress-free vectors are `reference`:
+/// dV = det(J₀) dx dy dz.
+[[nodiscard]] Eigen::Matrix<double, kVectors, kVectors> mass_matrix(double density_kg_per_m3,
+                                                                    double length_m,
+                                                                    const BeamSection& section,
+                                                                    const BeamVectors& reference);
+
+}  // namespace tandem::fem::ancf
