@@ -2,13 +2,66 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <iterator>
 #include <memory>
+#include <numeric>
 
+#include "fem_process/fem_keys.h"
+#include "fem_process/flexible_body.h"
 #include "orchestrator/commands.h"
 #include "orchestrator/model.h"
 #include "orchestrator/scenario_options.h"
+#include "orchestrator/scenario_table.h"
 
 namespace tandem::orchestrator {
+namespace {
+
+/// Size and mass as the solver sees them: a wrong length scale or density shows here.
+std::string describe(const fem::Model& model) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& X : model.mesh.X) box.extend(X);
+  double volume_m3 = 0.0;
+  for (const fem::Tet& tet : model.mesh.tets) volume_m3 += fem::signed_volume(model.mesh, tet);
+  const double mass_kg = std::accumulate(model.nodal_mass.begin(), model.nodal_mass.end(), 0.0);
+  const Eigen::Vector3d size_m = box.sizes();
+  std::string text = fmt::format(
+      "  flexible body: {} nodes, {} elements, {:.4g} × {:.4g} × {:.4g} m, {:.4g} m³, {:.4g} kg\n",
+      model.mesh.nodes(), model.mesh.tets.size(), size_m.x(), size_m.y(), size_m.z(), volume_m3,
+      mass_kg);
+  for (const fem::Model::Port& port : model.ports) {
+    fmt::format_to(std::back_inserter(text),
+                   "  port '{}': {} nodes, {:.3g} m from its origin (rms)\n", port.name,
+                   port.nodes.size(), port.length_m);
+  }
+  if (!model.fixed.empty()) {
+    fmt::format_to(std::back_inserter(text), "  held: {} nodes\n", model.fixed.size());
+  }
+  for (const std::string& note : model.mesh.notes) text += "  note: " + note + "\n";
+  return text;
+}
+
+/// A scenario for `tandem fem` alone.
+std::string check_flexible(const std::string& file, const scenario::Node& root) {
+  const fem::Model model(fem::read_params(root));
+  return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,
+                     describe(model));
+}
+
+std::string check_coupled(const ScenarioOptions& options) {
+  const Model model = options.load();
+  const auto mbs = make_mbs(model, {});
+  const auto fem = make_fem(model, {});
+  std::string text =
+      fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
+                  model.run.macro_steps(), to_seconds(model.run.macro_step),
+                  model.port_names.size(), to_string(model.coupling.scheme));
+  if (const auto* body = dynamic_cast<const fem::FlexibleBody*>(fem.get())) {
+    text += describe(body->model());
+  }
+  return text;
+}
+
+}  // namespace
 
 void add_check(CLI::App& app) {
   auto options = std::make_shared<ScenarioOptions>();
@@ -17,14 +70,12 @@ void add_check(CLI::App& app) {
       "Validate a scenario with its mesh: file:line:column, what is wrong, what would be right");
   options->declare(*sub);
   sub->callback([options] {
-    const Model model = options->load();
-    const auto mbs = make_mbs(model, {});
-    const auto fem = make_fem(model, {});
-    std::printf("%s\n", fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}",
-                                    options->file, model.run.macro_steps(),
-                                    to_seconds(model.run.macro_step), model.port_names.size(),
-                                    to_string(model.coupling.scheme))
-                            .c_str());
+    const scenario::Loaded loaded =
+        scenario::load(options->file, fem_scenario_table(), options->overrides());
+    const bool coupled = loaded.root.has("mbs");
+    std::printf(
+        "%s",
+        (coupled ? check_coupled(*options) : check_flexible(options->file, loaded.root)).c_str());
   });
 }
 

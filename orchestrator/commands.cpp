@@ -8,6 +8,7 @@ namespace tandem::orchestrator {
 void add_commands(CLI::App& app, int& exit_code) {
   add_run(app, exit_code);
   add_compare(app, exit_code);
+  add_advise(app);
   add_replay(app, exit_code);
   add_fem(app, exit_code);
   add_bench(app);

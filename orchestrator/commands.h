@@ -13,6 +13,7 @@ void add_commands(CLI::App& app, int& exit_code);
 // One subcommand each, in a file of its name.
 void add_run(CLI::App& app, int& exit_code);
 void add_compare(CLI::App& app, int& exit_code);
+void add_advise(CLI::App& app);
 void add_replay(CLI::App& app, int& exit_code);
 void add_log(CLI::App& app);
 void add_check(CLI::App& app);

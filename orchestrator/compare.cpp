@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "protocol/contract/error.h"
@@ -14,27 +13,25 @@ namespace {
 
 void run_once(ComparedRuns& runs, const Model& model, const CompareOptions& options,
               std::int64_t repetition) {
-  std::fprintf(stderr, "%s\n",
-               fmt::format("repetition {} of {}: {} {}", repetition, options.repeat, runs.scheme,
-                           to_string(runs.mode))
-                   .c_str());
-  const auto folder =
-      options.folder / runs.scheme / fmt::format("{}-{}", to_string(runs.mode), repetition);
-  const RunDirectory directory = RunDirectory::create(folder, model.name);
-  runs.history.clear();
-  const RunOutcome outcome =
-      run_model(model, directory,
-                {.mode = runs.mode, .silent = true, .watch = [&runs](const AcceptedInterface& i) {
-                   if (!i.motions.empty()) runs.history.push_back(i);
-                 }});
-  // A numerical end (3) is a result to show; anything else means that nothing was measured.
-  if (outcome.exit_code != 0 && outcome.exit_code != 3) {
-    throw Error(outcome.exit_code == 2 ? ErrorKind::Usage : ErrorKind::Partner,
-                outcome.summary.at("message").get<std::string>());
+  ObservedRun run = observe_run(
+      model, runs.mode,
+      options.folder / runs.scheme / fmt::format("{}-{}", to_string(runs.mode), repetition),
+      fmt::format("repetition {} of {}: {} {}", repetition, options.repeat, runs.scheme,
+                  to_string(runs.mode)));
+  runs.exit_code = run.exit_code;
+  runs.wall_s.push_back(run.summary.at("wall_s").get<double>());
+  runs.summaries.push_back(std::move(run.summary));
+  runs.history = std::move(run.history);
+}
+
+void require_different(const std::vector<Model>& models) {
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      require(models[i].coupling.scheme != models[j].coupling.scheme,
+              "--schemes: " + to_string(models[i].coupling.scheme) +
+                  " is named twice. Name every scheme once.");
+    }
   }
-  runs.exit_code = outcome.exit_code;
-  runs.wall_s.push_back(outcome.summary.at("wall_s").get<double>());
-  runs.summaries.push_back(outcome.summary);
 }
 
 /// The repetition in the middle (the lower one of two), so that ledger and wall time belong
@@ -73,6 +70,7 @@ Comparison compare(const std::function<Model(const std::string& scheme)>& load,
   std::vector<Model> models;
   for (const std::string& scheme : options.schemes) models.push_back(load(scheme));
   if (models.empty()) models.push_back(load(""));
+  require_different(models);
 
   Comparison comparison{.scenario = models.front().name, .repeat = options.repeat};
   std::vector<const Model*> model_of;
@@ -113,9 +111,13 @@ RatioSpread ratio(const ComparedRuns& a, const ComparedRuns& b) {
 
 double largest_distance_m(const ComparedRuns& a, const ComparedRuns& b) {
   double largest = 0.0;
-  visit_pairs(a, b, [&](const Motion& m, const Motion& n, const Wrench&, const Wrench&) {
-    largest = std::max(largest, (m.p_WP - n.p_WP).norm());
-  });
+  for (const AcceptedInterface& entry : a.history) {
+    if (b.history.empty() || entry.time > b.history.back().time) break;
+    const MotionSet there = motions_at(b.history, entry.time);
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      largest = std::max(largest, (entry.motions[i].p_WP - there[i].p_WP).norm());
+    }
+  }
   return largest;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "orchestrator/model.h"
+#include "orchestrator/observed_run.h"
 #include "orchestrator/run.h"
 
 namespace tandem::orchestrator {
@@ -24,8 +25,8 @@ struct ComparedRuns {
   int exit_code = 0;
   std::vector<double> wall_s;                     ///< one per repetition
   std::vector<nlohmann::ordered_json> summaries;  ///< one per repetition
-  nlohmann::ordered_json summary;          ///< of the repetition whose wall time is the median
-  std::vector<AcceptedInterface> history;  ///< of the last repetition, one per macro step
+  nlohmann::ordered_json summary;  ///< of the repetition whose wall time is the median
+  History history;                 ///< of the last repetition
 };
 
 /// What a comparison found. The first entry of `runs` is the monolithic run, then in-process and

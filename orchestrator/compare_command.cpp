@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -10,34 +12,66 @@
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_options.h"
 #include "orchestrator/text_file.h"
+#include "orchestrator/work_precision.h"
+#include "protocol/contract/error.h"
 
 namespace tandem::orchestrator {
 namespace {
 
 struct CompareCommand {
   ScenarioOptions scenario;
-  std::int64_t repeat = 3;
+  std::int64_t repeat = 0;  ///< 0: the default of the kind of comparison
   std::vector<std::string> schemes;
+  std::vector<double> steps_s;
+  std::string transport = "lcm";
 
-  int run() const {
-    const auto load = [this](const std::string& scheme) {
-      ScenarioOptions options = scenario;
-      options.scheme = scheme;
-      return options.load();
-    };
+  [[nodiscard]] Model load(const std::string& scheme) const {
+    ScenarioOptions options = scenario;
+    if (!scheme.empty()) options.scheme = scheme;
+    return options.load();
+  }
+  [[nodiscard]] std::filesystem::path new_folder() const {
+    return RunDirectory::create_group(scenario.folder(), load("").name, "compare");
+  }
+
+  [[nodiscard]] int run() const { return steps_s.empty() ? compare_costs() : compare_precision(); }
+
+  [[nodiscard]] int compare_costs() const {
+    require(transport == "lcm", "--transport: compare without --steps runs both transports.");
     const CompareOptions options{
-        .repeat = repeat,
-        .schemes = schemes,
-        .folder = RunDirectory::create_group(scenario.folder(), load("").name, "compare")};
-    const Comparison comparison = compare(load, options);
-    const std::string table = compare_table(comparison);
-    write_text_file(options.folder / "compare.json", compare_json(comparison).dump(2) + "\n");
-    write_text_file(options.folder / "compare.txt", table);
-    std::printf("\n%s\nresults: %s\n", table.c_str(), options.folder.c_str());
+        .repeat = repeat > 0 ? repeat : 3, .schemes = schemes, .folder = new_folder()};
+    const Comparison comparison =
+        compare([this](const std::string& scheme) { return load(scheme); }, options);
+    finish(options.folder, compare_json(comparison), compare_table(comparison));
     int exit_code = 0;
     for (const ComparedRuns& runs : comparison.runs)
       exit_code = std::max(exit_code, runs.exit_code);
     return exit_code;
+  }
+
+  [[nodiscard]] int compare_precision() const {
+    const WorkPrecisionOptions options{.schemes = schemes,
+                                       .steps_s = steps_s,
+                                       .mode = transport == "lcm" ? Mode::Lcm : Mode::Inproc,
+                                       .repeat = repeat > 0 ? repeat : 1,
+                                       .folder = new_folder()};
+    const auto load_step = [this](const std::string& scheme, double step_s) {
+      CompareCommand stepped = *this;
+      stepped.scenario.sets.push_back(fmt::format("run.macro_step_s={}", step_s));
+      return stepped.load(scheme);
+    };
+    const WorkPrecision result = work_precision(load_step, options);
+    write_text_file(options.folder / "compare.csv", work_precision_csv(result));
+    write_text_file(options.folder / "compare.svg", work_precision_svg(result));
+    finish(options.folder, work_precision_json(result), work_precision_table(result));
+    return 0;
+  }
+
+  static void finish(const std::filesystem::path& folder, const nlohmann::ordered_json& json,
+                     const std::string& table) {
+    write_text_file(folder / "compare.json", json.dump(2) + "\n");
+    write_text_file(folder / "compare.txt", table);
+    std::printf("\n%s\nresults: %s\n", table.c_str(), folder.c_str());
   }
 };
 
@@ -48,13 +82,23 @@ void add_compare(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand(
       "compare", "Run monolithic, in process and over LCM in turn; print cost and accuracy");
   command->scenario.declare(*sub);
-  sub->add_option("--repeat", command->repeat, "Interleaved repetitions")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+  sub->add_option("--repeat", command->repeat, "Interleaved repetitions [3; with --steps 1]")
+      ->check(CLI::Range(1, 1000));
   sub->add_option("--schemes", command->schemes, "Schemes to compare [the scenario's own]")
       ->delimiter(',');
+  sub->add_option(
+         "--steps", command->steps_s,
+         "Macro steps (s): the work-precision table of the schemes, with a fine monolithic "
+         "run as reference")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--transport", command->transport, "With --steps: lcm or inproc")
+      ->check(CLI::IsMember({"lcm", "inproc"}))
+      ->capture_default_str();
   sub->add_option("--out", command->scenario.out, "Folder [runs/<scenario>/compare-<UTC time>]");
-  sub->footer("Wall times are those of the stepping loop. Exit code 3 when a run was not solved.");
+  sub->footer(
+      "Wall times are those of the stepping loop. Exit code 3 when a run was not solved; with "
+      "--steps a run that diverges is a row of the table.");
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }
 

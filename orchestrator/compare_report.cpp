@@ -71,8 +71,9 @@ void append_run_row(std::string& table, const Comparison& comparison, const Comp
                                ? "monolithic"
                                : fmt::format("{}, {}", runs.scheme, to_string(runs.mode));
   if (runs.exit_code != 0) {
-    fmt::format_to(std::back_inserter(table), "{:<28} {}\n", name,
-                   runs.summary.at("message").get<std::string>());
+    fmt::format_to(std::back_inserter(table), "{:<28} {} at t = {} s: see below\n", name,
+                   runs.summary.at("status").get<std::string>(),
+                   runs.summary.value("simulated_s", 0.0));
     return;
   }
   const auto [least, greatest] = std::minmax_element(runs.wall_s.begin(), runs.wall_s.end());
@@ -86,10 +87,27 @@ void append_run_row(std::string& table, const Comparison& comparison, const Comp
                      : fmt::format("{:.2e}", largest_distance_m(runs, mono)));
 }
 
+/// Why a run was not solved, once for both modes when they say the same.
+void append_messages(std::string& table, const Comparison& comparison) {
+  std::string last;
+  for (const ComparedRuns& runs : comparison.runs) {
+    if (runs.exit_code == 0) continue;
+    const auto message = runs.summary.at("message").get<std::string>();
+    if (message != last) {
+      fmt::format_to(std::back_inserter(table), "\n{}: {}\n", runs.scheme, message);
+    }
+    last = message;
+  }
+}
+
+/// Of one scheme that was solved.
 void append_ledger(std::string& table, const Comparison& comparison, const std::string& scheme) {
   const std::array<const ComparedRuns*, 3> columns{&comparison.find(Mode::Monolithic, scheme),
                                                    &comparison.find(Mode::Inproc, scheme),
                                                    &comparison.find(Mode::Lcm, scheme)};
+  for (const ComparedRuns* runs : columns) {
+    if (runs->exit_code != 0) return;
+  }
   fmt::format_to(std::back_inserter(table),
                  "\nwhere the time goes, µs per macro step (median repetition, {})\n"
                  "{:<28} {:>12} {:>12} {:>12}\n",
@@ -158,7 +176,10 @@ std::string compare_table(const Comparison& comparison) {
   for (const std::string& scheme : schemes_of(comparison)) {
     append_price(table, comparison, scheme);
   }
-  append_ledger(table, comparison, schemes_of(comparison).front());
+  for (const std::string& scheme : schemes_of(comparison)) {
+    append_ledger(table, comparison, scheme);
+  }
+  append_messages(table, comparison);
   return table;
 }
 

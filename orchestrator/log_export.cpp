@@ -19,7 +19,7 @@ std::string call_row(const wire::CallRecord& call, SimTime time) {
              "{},{},{},{},{},{},{},", call.macro_step, call.iteration, wire::text_of(call.side),
              call.kind == wire::CallKind::Initialize ? "initialize" : "advance",
              call.accepted ? 1 : 0, call.rollback_first ? 1 : 0, static_cast<int>(call.outcome)) +
-         interface_row(time, {call.motions.end, call.wrenches.end});
+         interface_row({time, call.motions.end, call.wrenches.end});
 }
 
 void put(std::FILE* out, const std::string& text) {

@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <ctime>
+#include <initializer_list>
+#include <system_error>
 
 #include "protocol/contract/error.h"
 
@@ -13,14 +15,39 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A name that can be no folder is the user's fault (2); a disk that refuses is the machine's (4).
+ErrorKind kind_of(const std::error_code& error) {
+  for (const std::errc fault : {std::errc::not_a_directory, std::errc::file_exists,
+                                std::errc::filename_too_long, std::errc::invalid_argument}) {
+    if (error == fault) return ErrorKind::Usage;
+  }
+  return ErrorKind::System;
+}
+
+[[noreturn]] void refuse(const fs::path& path, const std::error_code& error) {
+  throw Error(kind_of(error),
+              fmt::format("cannot create the run folder '{}': {}. Choose another with --out.",
+                          path.string(), error.message()));
+}
+
+/// True when the folder holds one of the files; a name that the system refuses is told.
+bool holds(const fs::path& folder, std::initializer_list<std::string> files) {
+  for (const std::string& file : files) {
+    std::error_code error;
+    const bool found = fs::exists(folder / file, error);
+    if (error && error != std::errc::not_a_directory) refuse(folder, error);
+    if (found) return true;
+  }
+  return false;
+}
+
 void create_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);
-  if (error) {
-    throw Error(ErrorKind::System, fmt::format("cannot create the run folder '{}': {}. Choose "
-                                               "another with --out.",
-                                               path.string(), error.message()));
+  if (!error && !fs::is_directory(path, error) && !error) {
+    error = std::make_error_code(std::errc::not_a_directory);
   }
+  if (error) refuse(path, error);
 }
 
 fs::path default_folder(const std::string& scenario_name, const std::string& prefix) {
@@ -39,7 +66,7 @@ fs::path default_folder(const std::string& scenario_name, const std::string& pre
 RunDirectory RunDirectory::create(const std::optional<fs::path>& chosen,
                                   const std::string& scenario_name) {
   const fs::path path = fs::absolute(chosen ? *chosen : default_folder(scenario_name, ""));
-  if (fs::exists(path / "scenario.yaml") || fs::exists(path / "exchange.lcm")) {
+  if (holds(path, {"scenario.yaml", "exchange.lcm"})) {
     throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds a run. Name a new folder, "
                                               "or remove this one.",
                                               path.string()));
@@ -52,7 +79,7 @@ fs::path RunDirectory::create_group(const std::optional<fs::path>& chosen,
                                     const std::string& scenario_name, const std::string& purpose) {
   const fs::path path =
       fs::absolute(chosen ? *chosen : default_folder(scenario_name, purpose + "-"));
-  if (fs::exists(path / (purpose + ".json"))) {
+  if (holds(path, {purpose + ".json"})) {
     throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds results. Name a new "
                                               "folder, or remove this one.",
                                               path.string()));

@@ -14,12 +14,14 @@ void ScenarioOptions::declare(CLI::App& command) {
   command.add_option("--driver", driver, "Process that runs the scheme: mbs or orchestrator");
 }
 
-Model ScenarioOptions::load() const {
+std::vector<scenario::Override> ScenarioOptions::overrides() const {
   std::vector<scenario::Override> overrides;
   for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
   if (!scheme.empty()) overrides.push_back({"coupling.scheme", scheme});
   if (!driver.empty()) overrides.push_back({"wire.driver", driver});
-  return load_model(file, overrides);
+  return overrides;
 }
+
+Model ScenarioOptions::load() const { return load_model(file, overrides()); }
 
 }  // namespace tandem::orchestrator

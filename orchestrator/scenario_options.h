@@ -22,6 +22,8 @@ struct ScenarioOptions {
   std::string out;
 
   void declare(CLI::App& command);
+  /// What the options change of the file.
+  [[nodiscard]] std::vector<scenario::Override> overrides() const;
   /// The scenario with the overrides; throws a Usage error.
   [[nodiscard]] Model load() const;
   [[nodiscard]] std::optional<std::filesystem::path> folder() const {

@@ -48,7 +48,7 @@ StepTables::StepTables(const std::filesystem::path& directory,
 void StepTables::write(const wire::StepJournal& journal) {
   if (journal.step.macro_step > 0) steps_.write(step_row(journal.step));
   const AcceptedInterface interface = accepted_interface(journal);
-  if (!interface.motions.empty()) ports_.write(interface_row(journal.step.time, interface));
+  if (!interface.motions.empty()) ports_.write(interface_row(interface));
 }
 
 void StepTables::flush() {
@@ -57,7 +57,7 @@ void StepTables::flush() {
 }
 
 AcceptedInterface accepted_interface(const wire::StepJournal& journal) {
-  AcceptedInterface interface;
+  AcceptedInterface interface { .time = journal.step.time };
   if (journal.step.outcome == Outcome::Failed) return interface;
   for (const wire::CallRecord& call : journal.calls) {
     if (!call.accepted) continue;
@@ -81,8 +81,8 @@ std::string interface_header(const std::vector<std::string>& ports) {
   return header + "\n";
 }
 
-std::string interface_row(SimTime time, const AcceptedInterface& interface) {
-  std::string row = fmt::format("{}", to_seconds(time));
+std::string interface_row(const AcceptedInterface& interface) {
+  std::string row = fmt::format("{}", to_seconds(interface.time));
   const auto append = [&row](const auto& values) {
     for (double value : values) fmt::format_to(std::back_inserter(row), ",{}", value);
   };

@@ -27,6 +27,7 @@ class StepTables {
 /// The accepted motions and wrenches at the end of a macro step; empty when the step was not
 /// accepted.
 struct AcceptedInterface {
+  SimTime time{};
   MotionSet motions;
   WrenchSet wrenches;
 };
@@ -34,6 +35,6 @@ struct AcceptedInterface {
 
 /// "t_s,<port>.p_x_m,…\n" and one row below it; components without a value stay empty.
 [[nodiscard]] std::string interface_header(const std::vector<std::string>& ports);
-[[nodiscard]] std::string interface_row(SimTime time, const AcceptedInterface& interface);
+[[nodiscard]] std::string interface_row(const AcceptedInterface& interface);
 
 }  // namespace tandem::orchestrator

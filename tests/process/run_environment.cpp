@@ -157,9 +157,16 @@ TEST(RunEnvironment, APlaceWhereNoFolderCanBeIsNamed) {
   const TemporaryFolder folder("tandem_no_folder");
   write_file(folder / "file", "");
   const Ended ended = run_command(run_of("two_masses", folder / "file/run"));
-  EXPECT_EQ(ended.code, 4) << ended.output;
+  EXPECT_EQ(ended.code, 2) << ended.output;
   EXPECT_TRUE(has(ended.output, "cannot create the run folder")) << ended.output;
   EXPECT_TRUE(has(ended.output, "Choose another with --out")) << ended.output;
+}
+
+TEST(RunEnvironment, AFolderNameThatIsTooLongIsNamed) {
+  const TemporaryFolder folder("tandem_long_name");
+  const Ended ended = run_command(run_of("two_masses", folder / std::string(300, 'x')));
+  EXPECT_EQ(ended.code, 2) << ended.output;
+  EXPECT_TRUE(has(ended.output, "File name too long. Choose another with --out")) << ended.output;
 }
 
 TEST(RunEnvironment, AHostWithoutMulticastRouteIsToldTheRemedy) {

@@ -192,6 +192,22 @@ INSTANTIATE_TEST_SUITE_P(Empty, BrokenInput, testing::Values(empty_scenario()), 
 INSTANTIATE_TEST_SUITE_P(Mesh, BrokenInput, testing::ValuesIn(mesh_faults()), name_of);
 
 // All defects of a file are told at once: nobody fixes them one by one.
+TEST(Check, ShowsSizeAndMassThatRevealAWrongUnit) {
+  // The bar of 0.5 × 0.05 × 0.05 m and 1000 kg/m³.
+  const Ended ended = tandem_command({"check", kExamples + "two_masses/scenario.yaml"});
+  EXPECT_EQ(ended.code, 0) << ended.output;
+  for (const char* words :
+       {"0.5 × 0.05 × 0.05 m", "0.00125 m³, 1.25 kg", "port 'left': 13 nodes"}) {
+    EXPECT_NE(ended.output.find(words), std::string::npos) << words << " in: " << ended.output;
+  }
+}
+
+TEST(Check, TakesAScenarioForTheFlexibleSideAlone) {
+  const Ended ended = tandem_command({"check", kExamples + "hinge/scenario.yaml"});
+  EXPECT_EQ(ended.code, 0) << ended.output;
+  EXPECT_NE(ended.output.find("good, for `tandem fem`"), std::string::npos) << ended.output;
+}
+
 TEST(BrokenInputs, AllDefectsOfAFileAreTold) {
   const TemporaryFolder folder("tandem_input");
   std::string text = read_file(kExamples + "two_masses/scenario.yaml");

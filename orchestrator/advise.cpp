@@ -1,0 +1,141 @@
+#include "orchestrator/advise.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::orchestrator {
+namespace {
+
+constexpr double kReach = 100.0;  // recommended steps lie between H/100 and 100 H
+
+/// Next smaller number of the form 1, 2, 5 × 10ⁿ.
+double nice_below(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double digit : {5.0, 2.0, 1.0}) {
+    if (digit * decade <= value * (1.0 + 1e-9))
+      return std::stod(fmt::format("{:.0e}", digit * decade));
+  }
+  return decade;
+}
+
+SchemeAdvice judge(const PrecisionRow& coarse, const PrecisionRow& fine, const WorkPrecision& trial,
+                   const Advice& advice) {
+  SchemeAdvice scheme{.scheme = coarse.scheme,
+                      .solved = coarse.exit_code == 0,
+                      .status = coarse.status,
+                      .error_m = coarse.error.motion_m,
+                      .exchanges_per_step = coarse.iterations_mean};
+  if (!scheme.solved || fine.exit_code != 0 || !(coarse.error.motion_m > trial.reference_error_m)) {
+    return scheme;
+  }
+  // An error within that of the reference says nothing about the order.
+  scheme.order = std::clamp(std::log2(coarse.error.motion_m / fine.error.motion_m), 0.5, 3.0);
+  const double wanted_m = advice.accuracy * advice.travel_m;
+  scheme.step_for_accuracy_s =
+      coarse.step_s * std::pow(wanted_m / coarse.error.motion_m, 1.0 / scheme.order);
+  if (scheme.scheme == "explicit_serial") {
+    // Half the limit: errors of the wrench must not only stay but die out.
+    scheme.step_for_accuracy_s = std::min(scheme.step_for_accuracy_s, advice.limit.stable_s / 2);
+  }
+  // What two steps say about a third one does not reach further than this.
+  scheme.step_for_accuracy_s =
+      std::clamp(scheme.step_for_accuracy_s, coarse.step_s / kReach, coarse.step_s * kReach);
+  scheme.step_for_accuracy_s = nice_below(scheme.step_for_accuracy_s);
+  scheme.exchanges_per_second = scheme.exchanges_per_step / scheme.step_for_accuracy_s;
+  return scheme;
+}
+
+std::string limit_reason(const Advice& advice) {
+  const ExplicitLimit& limit = advice.limit;
+  const std::string predicted =
+      limit.predicted_s > 0.0
+          ? fmt::format("the derivatives promise stability up to H = {:.3g} s", limit.predicted_s)
+          : "the derivatives promise stability at no H: inertia couples the sides, and its ratio "
+            "does not fall with H";
+  const std::string stable = limit.stable_s > 0.0
+                                 ? fmt::format("stable at {:.3g} s", limit.stable_s)
+                                 : std::string("stable at no step that was tried");
+  const std::string unstable = limit.unstable_s > 0.0
+                                   ? fmt::format("diverged at {:.3g} s", limit.unstable_s)
+                                   : std::string("did not diverge at any step that was tried");
+  return fmt::format("explicit_serial, prediction {}: {}; in trial runs it was {} and {}",
+                     advice.prediction_name, predicted, stable, unstable);
+}
+
+void recommend(Advice& advice) {
+  const SchemeAdvice* best = nullptr;
+  for (const SchemeAdvice& scheme : advice.schemes) {
+    if (scheme.step_for_accuracy_s <= 0.0) continue;
+    if (best == nullptr || scheme.exchanges_per_second < best->exchanges_per_second) best = &scheme;
+  }
+  const double kappa = advice.at_step.coupling_ratio();
+  advice.reasons.push_back(fmt::format(
+      "at H = {} s one evaluation of both sides multiplies an error of the wrench by {:.3g} (the "
+      "coupling ratio): {}",
+      advice.step_s, kappa,
+      kappa < 0.1   ? "the flexible side is light against what carries it"
+      : kappa < 1.0 ? "both sides feel each other"
+                    : "the flexible side is heavier or stiffer than what carries it"));
+  advice.reasons.push_back(limit_reason(advice));
+  if (best == nullptr) {
+    advice.scheme = "interface_jacobian";
+    advice.macro_step_s = advice.step_s;
+    advice.reasons.push_back(
+        "the trial runs were too short or too accurate to choose a step: keep the scenario's H, or "
+        "try longer ones with --trial-steps");
+    return;
+  }
+  advice.scheme = best->scheme;
+  advice.macro_step_s = best->step_for_accuracy_s;
+  advice.reasons.push_back(fmt::format(
+      "of the schemes that were solved in the trial runs, {} needs the fewest exchanges for an "
+      "error of {:g} of the travel: {:.0f} per simulated second",
+      best->scheme, advice.accuracy, best->exchanges_per_second));
+  if (best->step_for_accuracy_s < 1.01 * advice.step_s / kReach) {
+    advice.reasons.push_back(
+        "that accuracy is further than the trial runs can see: compare --steps shows what smaller "
+        "steps bring");
+  }
+}
+
+}  // namespace
+
+Advice advise(const LoadTrial& load, const AdviseOptions& options) {
+  const Model model = load("", 0.0, 0.0);
+  Advice advice{.scenario = model.name,
+                .step_s = to_seconds(model.run.macro_step),
+                .accuracy = options.accuracy,
+                .prediction = model.coupling.prediction,
+                .prediction_name = model.scenario.root.section("coupling").text("prediction")};
+  advice.ratios = ratios_over_step(load, advice.step_s);
+  advice.at_step = *std::find_if(advice.ratios.begin(), advice.ratios.end(),
+                                 [&](const auto& r) { return r.step_s >= advice.step_s; });
+  advice.limit = explicit_limit(load, advice.ratios, advice.prediction, options.folder);
+
+  advice.trial_step_s = advice.step_s;
+  if (const double stable_s = advice.limit.stable_s;
+      stable_s > 0.0 && stable_s < 2.0 * advice.step_s) {
+    advice.trial_step_s = std::min(advice.step_s, nice_below(0.5 * stable_s));
+  }
+  const double wanted_s = std::min(to_seconds(model.run.duration),
+                                   static_cast<double>(options.trial_steps) * advice.step_s);
+  const double duration_s =
+      advice.trial_step_s * std::max(1.0, std::round(wanted_s / advice.trial_step_s));
+  const WorkPrecision trial = work_precision(
+      [&](const std::string& scheme, double step_s) { return load(scheme, step_s, duration_s); },
+      {.schemes = {"explicit_serial", "implicit", "interface_jacobian"},
+       .steps_s = {advice.trial_step_s, 0.5 * advice.trial_step_s},
+       .mode = Mode::Inproc,
+       .folder = options.folder});
+  advice.travel_m = trial.travel_m;
+  // Rows come in pairs, the trial step and half of it; the first pair is the monolithic run's.
+  for (std::size_t i = 2; i + 1 < trial.rows.size(); i += 2) {
+    advice.schemes.push_back(judge(trial.rows[i], trial.rows[i + 1], trial, advice));
+  }
+  recommend(advice);
+  return advice;
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "orchestrator/advise.h"
+#include "orchestrator/commands.h"
+#include "orchestrator/run_directory.h"
+#include "orchestrator/scenario_options.h"
+#include "orchestrator/text_file.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+struct AdviseCommand {
+  ScenarioOptions scenario;
+  AdviseOptions options;
+
+  /// A step or duration of 0 keeps the scenario's.
+  [[nodiscard]] Model load(const std::string& scheme, double step_s, double duration_s) const {
+    ScenarioOptions changed = scenario;
+    if (!scheme.empty()) changed.scheme = scheme;
+    if (step_s > 0.0) changed.sets.push_back(fmt::format("run.macro_step_s={}", step_s));
+    if (duration_s > 0.0) changed.sets.push_back(fmt::format("run.duration_s={}", duration_s));
+    return changed.load();
+  }
+
+  void run() {
+    options.folder =
+        RunDirectory::create_group(scenario.folder(), load("", 0.0, 0.0).name, "advise");
+    const Advice advice =
+        advise([this](const std::string& scheme, double step_s,
+                      double duration_s) { return load(scheme, step_s, duration_s); },
+               options);
+    const std::string text = advice_text(advice);
+    write_text_file(options.folder / "advise.json", advice_json(advice).dump(2) + "\n");
+    write_text_file(options.folder / "advise.txt", text);
+    std::printf("\n%s\nresults: %s\n", text.c_str(), options.folder.c_str());
+  }
+};
+
+}  // namespace
+
+void add_advise(CLI::App& app) {
+  auto command = std::make_shared<AdviseCommand>();
+  CLI::App* sub = app.add_subcommand(
+      "advise", "Measure how strongly the sides are coupled; recommend a scheme and a macro step");
+  command->scenario.declare(*sub);
+  sub->add_option("--accuracy", command->options.accuracy,
+                  "Wanted error of port positions relative to their travel")
+      ->check(CLI::Range(1e-12, 1.0))
+      ->capture_default_str();
+  sub->add_option("--trial-steps", command->options.trial_steps,
+                  "Length of the trial runs in macro steps")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  sub->add_option("--out", command->scenario.out, "Folder [runs/<scenario>/advise-<UTC time>]");
+  sub->footer("Both sides run in this process; nothing is sent.");
+  sub->callback([command] { command->run(); });
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "orchestrator/model.h"
+#include "orchestrator/run.h"
+
+namespace tandem::orchestrator {
+
+/// What the ports did in a run, one entry per macro step and one at t = 0.
+using History = std::vector<AcceptedInterface>;
+
+/// A run made for a comparison.
+struct ObservedRun {
+  int exit_code = 0;  ///< 0, or 3: a numerical end, which is a result to show
+  nlohmann::ordered_json summary;
+  History history;
+};
+
+/// Runs the model into `folder` and says `title` on standard error. Throws what keeps a comparison
+/// from going on: bad input, a process that failed, an interruption.
+[[nodiscard]] ObservedRun observe_run(const Model& model, Mode mode,
+                                      const std::filesystem::path& folder,
+                                      const std::string& title);
+
+/// The motions at time t, which lies within the history: between two macro steps the cubic Hermite
+/// polynomial of positions and velocities and the slerp of rotations, at a macro step its own bits.
+[[nodiscard]] MotionSet motions_at(const History& history, SimTime t);
+
+/// Distances of two runs' port motions, over all ports and all macro steps of `run` that the
+/// history of `reference` covers.
+struct MotionDistance {
+  double max_m = 0.0;     ///< of |p_WP|
+  double rms_m = 0.0;     ///< root mean square over macro steps and ports
+  double max_rad = 0.0;   ///< angle between the port frames
+  double motion_m = 0.0;  ///< largest |Δp_WP| + L Δθ, L the port's length
+};
+[[nodiscard]] MotionDistance motion_distance(const History& run, const History& reference,
+                                             const std::vector<PortInfo>& ports);
+
+/// Largest |Δp_WP| + L Δθ of any port from where it started: the scale of errors.
+[[nodiscard]] double largest_travel_m(const History& history, const std::vector<PortInfo>& ports);
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "orchestrator/model.h"
+#include "orchestrator/observed_run.h"
+
+namespace tandem::orchestrator {
+
+struct WorkPrecisionOptions {
+  std::vector<std::string> schemes;  ///< empty = the scenario's own
+  std::vector<double> steps_s;       ///< macro steps H to run
+  Mode mode = Mode::Lcm;             ///< how the schemes run: Lcm or Inproc
+  std::int64_t repeat = 1;           ///< repetitions; the wall time is their median
+  std::filesystem::path folder;      ///< holds the runs and the results
+};
+
+/// One scheme at one macro step.
+struct PrecisionRow {
+  std::string scheme;  ///< "monolithic" for the uncut system
+  double step_s = 0.0;
+  int exit_code = 0;
+  std::string status, message;
+  MotionDistance error;  ///< of the port motion against the reference
+  double wall_s = 0.0;
+  std::int64_t macro_steps = 0;
+  std::int64_t round_trips = 0;  ///< evaluations of the two sides, rejected ones too
+  double iterations_mean = 0.0;
+  double defect_max_J = 0.0, defect_sum_J = 0.0;  ///< interface energy defect
+};
+
+/// Work against precision: what each scheme's accuracy costs. The reference is the monolithic run
+/// at an eighth of the smallest H; its own error is estimated by its distance from the monolithic
+/// run at a quarter (for a method of first order the two are equal).
+struct WorkPrecision {
+  std::string scenario;
+  std::string mode;
+  double reference_step_s = 0.0;
+  double reference_error_m = 0.0;
+  double travel_m = 0.0;  ///< largest motion of a port from its start, see largest_travel_m
+  std::vector<PrecisionRow> rows;
+};
+
+/// Runs the monolithic system and all schemes at all steps. `load` gives the model with a scheme
+/// ("" = the scenario's own) and a macro step (s). A run that diverges is a row; a reference that
+/// is not solved is a NotSolved error.
+[[nodiscard]] WorkPrecision work_precision(
+    const std::function<Model(const std::string& scheme, double step_s)>& load,
+    const WorkPrecisionOptions& options);
+
+[[nodiscard]] nlohmann::ordered_json work_precision_json(const WorkPrecision& result);
+[[nodiscard]] std::string work_precision_csv(const WorkPrecision& result);
+[[nodiscard]] std::string work_precision_table(const WorkPrecision& result);
+/// Error over H and error over wall time, logarithmic.
+[[nodiscard]] std::string work_precision_svg(const WorkPrecision& result);
+
+}  // namespace tandem::orchestrator

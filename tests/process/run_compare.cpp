@@ -1,0 +1,104 @@
+// tandem compare --steps and tandem advise as users start them.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "tests/support/tandem_process.h"
+
+namespace tandem::test {
+namespace {
+
+nlohmann::json results_of(const std::filesystem::path& file) {
+  return nlohmann::json::parse(read_file(file));
+}
+
+TEST(CompareSteps, ErrorsFallWithOrderOneAndConvergedSchemesEqualTheMonolithicRun) {
+  const TemporaryFolder folder("tandem_steps");
+  const Ended ended =
+      tandem_command({"compare", kExamples + "pendulum_beam/scenario.yaml", "--schemes",
+                      "explicit_serial,interface_jacobian", "--steps", "2e-4,1e-4", "--transport",
+                      "inproc", "--set", "run.duration_s=0.02", "--out", (folder / "c").string()});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const nlohmann::json json = results_of(folder / "c/compare.json");
+  std::map<std::string, std::vector<double>> errors;
+  for (const auto& row : json.at("rows")) {
+    EXPECT_EQ(row.at("status"), "done");
+    errors[row.at("scheme")].push_back(row.at("error_motion_m"));
+  }
+  ASSERT_EQ(errors.size(), 3U);
+  for (const auto& [scheme, error] : errors) {
+    ASSERT_EQ(error.size(), 2U);
+    // Order 1 against a reference at H_min/8: (2 − 1/8)/(1 − 1/8) = 2.14 and terms of order H;
+    // order 2 would give 4.05.
+    EXPECT_NEAR(error[0] / error[1], 2.14, 0.15) << scheme;
+  }
+  // The reference's own error is a seventh of that of the smallest step.
+  EXPECT_NEAR(json.at("reference").at("error_estimate_m").get<double>(),
+              errors["monolithic"][1] / 7.0, 0.2 * errors["monolithic"][1] / 7.0);
+  // interface_jacobian solves the same equations to 1e-12 of the wrenches.
+  EXPECT_NEAR(errors["interface_jacobian"][1], errors["monolithic"][1],
+              1e-6 * errors["monolithic"][1]);
+  for (const char* file : {"c/compare.csv", "c/compare.svg", "c/compare.txt"}) {
+    EXPECT_GT(read_file(folder / file).size(), 100U) << file;
+  }
+}
+
+TEST(CompareSteps, RunThatDivergesIsARowWithItsReason) {
+  const TemporaryFolder folder("tandem_steps");
+  const Ended ended = tandem_command({"compare", kExamples + "two_masses/scenario.yaml",
+                                      "--schemes", "explicit_serial", "--steps", "0.01",
+                                      "--transport", "inproc", "--out", (folder / "c").string()});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const nlohmann::json row = results_of(folder / "c/compare.json").at("rows").back();
+  EXPECT_EQ(row.at("status"), "diverged");
+  EXPECT_NE(row.at("message").get<std::string>().find("port '"), std::string::npos);
+  EXPECT_NE(ended.output.find("diverged, see below"), std::string::npos) << ended.output;
+}
+
+TEST(CompareSteps, StepThatDoesNotDivideTheDurationIsRefusedBeforeAnyRun) {
+  const TemporaryFolder folder("tandem_steps");
+  const Ended ended =
+      tandem_command({"compare", kExamples + "two_masses/scenario.yaml", "--steps", "1e-3,3e-4",
+                      "--transport", "inproc", "--out", (folder / "c").string()});
+  EXPECT_EQ(ended.code, 2) << ended.output;
+  EXPECT_NE(ended.output.find("not a whole number of macro steps"), std::string::npos)
+      << ended.output;
+}
+
+TEST(Compare, SchemeNamedTwiceIsRefusedBeforeAnyRun) {
+  const TemporaryFolder folder("tandem_twice");
+  const Ended ended =
+      tandem_command({"compare", kExamples + "two_masses/scenario.yaml", "--schemes",
+                      "implicit,implicit", "--out", (folder / "c").string()});
+  EXPECT_EQ(ended.code, 2) << ended.output;
+  EXPECT_NE(ended.output.find("implicit is named twice"), std::string::npos) << ended.output;
+}
+
+TEST(Advise, BracketsTheLimitOfTheExplicitSchemeAndRecommendsAStepBelowIt) {
+  const TemporaryFolder folder("tandem_advise");
+  const Ended ended = tandem_command({"advise", kExamples + "two_masses/scenario.yaml",
+                                      "--trial-steps", "20", "--out", (folder / "a").string()});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const nlohmann::json json = results_of(folder / "a/advise.json");
+  const auto& limit = json.at("explicit_stability");
+  // The prediction is the safe one; runs of the scenario itself confirm both ends of the bracket.
+  EXPECT_LE(limit.at("predicted_s").get<double>(), limit.at("unstable_s").get<double>());
+  for (const char* end : {"stable_s", "unstable_s"}) {
+    const double step_s = limit.at(end).get<double>();
+    const Ended run = tandem_command(
+        {"run", kExamples + "two_masses/scenario.yaml", "--scheme", "explicit_serial",
+         "--transport", "inproc", "--set", "run.macro_step_s=" + limit.at(end).dump(), "--set",
+         "run.duration_s=" + std::to_string(400 * step_s), "--out", (folder / end).string()});
+    EXPECT_EQ(run.code, std::string(end) == "stable_s" ? 0 : 3) << run.output;
+  }
+  const auto& recommended = json.at("recommended");
+  if (recommended.at("scheme") == "explicit_serial") {
+    EXPECT_LT(recommended.at("macro_step_s").get<double>(), limit.at("stable_s").get<double>());
+  }
+  EXPECT_NE(ended.output.find("recommended: "), std::string::npos) << ended.output;
+}
+
+}  // namespace
+}  // namespace tandem::test
