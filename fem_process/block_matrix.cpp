@@ -15,10 +15,11 @@ int BlockPattern::find(int i, int j) const {
 
 BlockPattern pattern_of(const TetMesh& mesh) {
   std::vector<std::vector<int>> neighbours(mesh.X.size());
-  for (const Tet& tet : mesh.tets) {
-    for (int i : tet) {
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
+    const std::vector<int> nodes = mesh.element(e);
+    for (int i : nodes) {
       auto& row = neighbours[static_cast<std::size_t>(i)];
-      row.insert(row.end(), tet.begin(), tet.end());
+      row.insert(row.end(), nodes.begin(), nodes.end());
     }
   }
   BlockPattern pattern;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fem_process/analysis_keys.h"
+#include "fem_process/material_keys.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
 #include "protocol/scenario/law.h"
@@ -22,8 +23,13 @@ Key mesh_key() {
   mesh.doc = "Which mesh, and where it stands: X_W = position + R(orientation) scale X_file.";
   mesh.keys = {
       scenario::path("file").must().doc_is(
-          "Mesh of linear tetrahedra: Gmsh .msh (4.1 ASCII, physical groups are the node sets) or "
-          "Abaqus .inp (*NODE, *ELEMENT TYPE=C3D4, *NSET, *ELSET, *SURFACE)."),
+          "Mesh of tetrahedra of first or second order: Gmsh .msh (4.1 ASCII, physical groups are "
+          "the sets) or Abaqus .inp (*NODE, *ELEMENT TYPE=C3D4 or C3D10, *NSET, *ELSET, "
+          "*SURFACE)."),
+      scenario::integer("order").between(1, 2).doc_is(
+          "Order of the tetrahedra. 2 puts a node in the middle of every edge of a "
+          "first-order mesh, which takes away its false stiffness in bending; 1 demands a "
+          "first-order mesh. Left out: as the file has them."),
       scenario::real("length_scale_m", "m")
           .above(0)
           .by_default("1")
@@ -39,19 +45,6 @@ Key mesh_key() {
           .doc_is("Rotation from the mesh file's axes to world axes at t = 0 as a quaternion."),
   };
   return scenario::section("mesh", std::move(mesh)).must().doc_is("The mesh and its placement.");
-}
-
-Key material_key() {
-  Section material;
-  material.title = "Material";
-  material.doc =
-      "Isotropic linear elastic material: stress and strain are those of the formulation.";
-  material.keys = {
-      scenario::real("young_Pa", "Pa").must().above(0).doc_is("Young's modulus."),
-      scenario::real("poisson", "").must().above(-1).below(0.5).doc_is("Poisson's ratio."),
-      scenario::real("density_kg_per_m3", "kg/m³").must().above(0).doc_is("Density."),
-  };
-  return scenario::section("material", std::move(material)).must().doc_is("The material.");
 }
 
 Key damping_key() {
@@ -195,6 +188,7 @@ Key initial_velocity_key() {
 MeshParams read_mesh_params(const Node& node) {
   return {.file = node.path("file"),
           .length_scale_m = node.real("length_scale_m"),
+          .order = node.has("order") ? static_cast<int>(node.integer("order")) : 0,
           .position_m = node.vector3("position_m"),
           .orientation = node.quaternion_wxyz("orientation_wxyz")};
 }
@@ -272,6 +266,7 @@ Key fem_keys() {
   fem.keys = {
       mesh_key(),
       material_key(),
+      materials_key(),
       scenario::choice("formulation",
                        {"linear", "corotational", "corotational_consistent", "total_lagrangian"})
           .by_default("corotational")
@@ -280,7 +275,8 @@ Key fem_keys() {
                   "Venant-Kirchhoff in total Lagrangian form."),
       scenario::choice("mass", {"lumped", "consistent"})
           .by_default("consistent")
-          .doc_is("A quarter of a tet's mass on each node, or ρ V/20 (1 + δ_ij)."),
+          .doc_is("A tet's mass on its nodes (a quarter each; of second order, in proportion to "
+                  "the diagonal of the consistent matrix), or ∫ ρ N_i N_j dV."),
       damping_key(),
       integrator_key(),
       solver_key(),
@@ -300,6 +296,7 @@ Key fem_keys() {
           "Node sets whose mean motion is written to the results."),
       analysis_keys(),
   };
+  fem.check = check_materials;
   return scenario::section("fem", std::move(fem)).must().doc_is("The flexible side.");
 }
 
@@ -307,10 +304,9 @@ Params read_params(const Node& root) {
   const Node fem = root.section("fem");
   Params params;
   params.mesh = read_mesh_params(fem.section("mesh"));
-  const Node material = fem.section("material");
-  params.material = {.young_Pa = material.real("young_Pa"),
-                     .poisson = material.real("poisson"),
-                     .density_kg_per_m3 = material.real("density_kg_per_m3")};
+  const Eigen::Matrix3d R_WM = params.mesh.orientation.toRotationMatrix();
+  if (fem.has("material")) params.material = read_material(fem.section("material"), R_WM);
+  params.materials = read_materials(fem, R_WM);
   params.formulation = read_formulation(fem.text("formulation"));
   params.mass = fem.text("mass") == "lumped" ? MassKind::Lumped : MassKind::Consistent;
   const Node damping = fem.section("damping");

@@ -1,10 +1,11 @@
-// The subset of Abaqus/CalculiX input that describes a mesh of linear tetrahedra.
+// The subset of Abaqus/CalculiX input that describes a mesh of tetrahedra.
 #include <algorithm>
 #include <cctype>
 #include <optional>
 #include <utility>
 
 #include "fem_process/raw_mesh.h"
+#include "fem_process/tet10.h"
 #include "fem_process/text_scanner.h"
 
 namespace tandem::fem {
@@ -19,7 +20,7 @@ constexpr std::string_view kPassedOver[] = {
     "OUTPUT",   "NODE OUTPUT",       "ELEMENT OUTPUT", "NODE FILE", "EL FILE",  "NODE PRINT",
     "EL PRINT", "INITIAL CONDITIONS"};
 
-/// Corners of faces S1 … S4 of C3D4, each seen from outside.
+/// Corners of faces S1 … S4 of C3D4 and C3D10, each seen from outside.
 constexpr std::size_t kFaces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
 
 std::string trimmed_upper(std::string_view text) {
@@ -139,10 +140,11 @@ class InpReader {
 
   void element_keyword() {
     const std::string type = trimmed_upper(needed("TYPE"));
-    if (type != "C3D4") {
+    if (type != "C3D4" && type != "C3D10") {
       fail("element type " + type +
-           " is not read: only linear tetrahedra C3D4 are. Mesh with first-order tetrahedra.");
+           " is not read: only the tetrahedra C3D4 and C3D10 are. Mesh with one of them.");
     }
+    nodes_ = type == "C3D4" ? 4 : 10;
     mode_ = Mode::Element;
     target_ = parameters_.count("ELSET") > 0 ? parameters_["ELSET"] : "";
     if (!target_.empty()) element_set(target_);
@@ -200,18 +202,25 @@ class InpReader {
   void element(const std::vector<std::string_view>& fields) {
     if (pending_.empty()) pending_line_ = line_;
     for (std::string_view field : fields) pending_.push_back(whole(field, "a node number"));
-    if (pending_.size() > 5) fail("a C3D4 row is: number and 4 nodes; here are more.");
-    if (pending_.size() < 5) return;
-    raw_.add_tet(
-        {pending_[0], {pending_[1], pending_[2], pending_[3], pending_[4]}, pending_line_});
+    if (pending_.size() > nodes_ + 1) fail(row_is() + "; here are more.");
+    if (pending_.size() < nodes_ + 1) return;
+    RawMesh::Tetrahedron tet{
+        .tag = pending_[0], .second_order = nodes_ == 10, .line = pending_line_};
+    std::copy_n(pending_.begin() + 1, 4, tet.nodes.begin());
+    if (tet.second_order) std::copy_n(pending_.begin() + 5, 6, tet.mids.begin());
+    raw_.add_tet(tet);
     if (!target_.empty()) element_set(target_).elements.push_back(pending_[0]);
     pending_.clear();
   }
 
+  std::string row_is() const {
+    return "a C3D" + std::to_string(nodes_) + " row is: number and " + std::to_string(nodes_) +
+           " nodes";
+  }
+
   void finish_element() const {
     if (!pending_.empty()) {
-      raw_.fail(pending_line_, "a C3D4 row is: number and 4 nodes; here are " +
-                                   std::to_string(pending_.size()) +
+      raw_.fail(pending_line_, row_is() + "; here are " + std::to_string(pending_.size()) +
                                    " numbers. The file may be truncated.");
     }
   }
@@ -270,6 +279,7 @@ class InpReader {
     if (set.line == 0) {
       spelling = name;
       set.line = line_;
+      set.node_list = true;
     }
     return set;
   }
@@ -309,29 +319,45 @@ class InpReader {
       RawMesh::Set& surface = raw_.sets[row.name];
       if (surface.line == 0) surface.line = row.line;
       for (std::int64_t tag : elements) {
-        const auto& corners = kFaces[row.face[1] - '1'];
-        const auto& n = tet(tag, row.line).nodes;
-        surface.triangles.push_back({n[corners[0]], n[corners[1]], n[corners[2]]});
-        for (std::size_t corner : corners) surface.nodes.insert(n[corner]);
+        const RawMesh::Triangle triangle = face(tet(tag, row.line), row.face[1] - '1');
+        surface.triangles.push_back(triangle);
+        surface.nodes.insert(triangle.nodes.begin(), triangle.nodes.end());
+        if (!triangle.second_order) continue;
+        surface.nodes.insert(triangle.mids.begin(), triangle.mids.end());
       }
     }
   }
 
-  /// One name may be a node set, a surface and an element set at once: the node set wins, then the
-  /// surface.
+  static RawMesh::Triangle face(const RawMesh::Tetrahedron& tet, int number) {
+    const auto& corner = kFaces[number];
+    RawMesh::Triangle triangle{.second_order = tet.second_order};
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangle.nodes[k] = tet.nodes[corner[k]];
+      triangle.mids[k] = tet.mids[edge_between(corner[k], corner[(k + 1) % 3])];
+    }
+    return triangle;
+  }
+
+  /// One name may be a node set, a surface and an element set at once: its nodes are those of the
+  /// node set, else of the surface.
   void publish_sets() {
     for (const auto& [key, named] : node_sets_) {
       RawMesh::Set& set = raw_.sets[named.first];
       set.nodes = named.second.nodes;
+      set.node_list = true;
       set.line = named.second.line;
     }
     for (const auto& [key, elements] : element_sets_) {
-      if (raw_.sets.count(elements.name) > 0) continue;
+      const bool named_before = raw_.sets.count(elements.name) > 0;
       RawMesh::Set& set = raw_.sets[elements.name];
-      set.line = elements.line;
+      if (!named_before) set.line = elements.line;
+      set.tets_apart = named_before;
       for (std::int64_t tag : elements.elements) {
-        const auto& n = tet(tag, elements.line).nodes;
-        set.nodes.insert(n.begin(), n.end());
+        const RawMesh::Tetrahedron& element = tet(tag, elements.line);
+        set.tets.push_back(tag);
+        if (named_before) continue;
+        set.nodes.insert(element.nodes.begin(), element.nodes.end());
+        if (element.second_order) set.nodes.insert(element.mids.begin(), element.mids.end());
       }
     }
   }
@@ -345,6 +371,7 @@ class InpReader {
   std::map<std::string, std::string> parameters_;
   std::vector<std::int64_t> pending_;
   int pending_line_ = 0;
+  std::size_t nodes_ = 4;  ///< of an element of the present block
   std::map<std::string, std::pair<std::string, RawMesh::Set>> node_sets_;
   std::map<std::string, ElementSet> element_sets_;
   std::vector<SurfaceRow> surfaces_;

@@ -1,5 +1,8 @@
 #include "fem_process/loads.h"
 
+#include <numeric>
+
+#include "fem_process/surface.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -17,13 +20,12 @@ Eigen::VectorXd unit_forces(const TetMesh& mesh, const Load& load) {
           (load.set.place.file.empty() ? "fem" : load.set.place.text()) + ": set '" +
               load.set.name + "' has no triangles to put a traction on. Name a surface group " +
               "(dimension 2) or a *SURFACE, or make it a nodal load.");
-  double total = 0.0;
-  for (const Triangle& triangle : set.triangles) total += area(mesh, triangle);
+  const std::vector<double> areas = nodal_areas(mesh, set);
+  const double total = std::accumulate(areas.begin(), areas.end(), 0.0);
   const Eigen::Vector3d traction =
       load.kind == Load::Kind::Surface ? load.value : Eigen::Vector3d(load.value / total);
-  for (const Triangle& triangle : set.triangles) {
-    const Eigen::Vector3d share = traction * (area(mesh, triangle) / 3.0);
-    for (int node : triangle) f.segment<3>(3 * node) += share;
+  for (int node = 0; node < mesh.nodes(); ++node) {
+    f.segment<3>(3 * node) += areas[static_cast<std::size_t>(node)] * traction;
   }
   return f;
 }

@@ -1,24 +1,38 @@
 #include "fem_process/make_formulation.h"
 
 #include "fem_process/corotational_tet4.h"
-#include "fem_process/hyperelastic_tet4.h"
-#include "fem_process/linear_tet4.h"
+#include "fem_process/hyperelastic.h"
+#include "fem_process/linear_solid.h"
 
 namespace tandem::fem {
+namespace {
 
-std::unique_ptr<const Formulation> make_formulation(FormulationKind kind, const TetMesh& mesh,
-                                                    const Material& material) {
+template <int N>
+std::unique_ptr<const Formulation> make(FormulationKind kind, const TetMesh& mesh,
+                                        const Materials& materials) {
   switch (kind) {
     case FormulationKind::Linear:
-      return std::make_unique<LinearTet4>(mesh, material);
+      return std::make_unique<LinearSolid<N>>(mesh, materials);
     case FormulationKind::ConsistentCorotational:
-      return std::make_unique<ConsistentCorotationalTet4>(mesh, material);
+      return std::make_unique<ConsistentCorotational<N>>(mesh, materials);
     case FormulationKind::TotalLagrangian:
-      return std::make_unique<TotalLagrangianTet4>(mesh, material);
+      return std::make_unique<TotalLagrangian<N>>(mesh, materials);
     case FormulationKind::Corotational:
       break;
   }
-  return std::make_unique<CorotationalTet4>(mesh, material);
+  return std::make_unique<SimplifiedCorotational<N>>(mesh, materials);
+}
+
+}  // namespace
+
+std::unique_ptr<const Formulation> make_formulation(FormulationKind kind, const TetMesh& mesh,
+                                                    const Materials& materials) {
+  if (mesh.second_order()) return make<10>(kind, mesh, materials);
+  // The fast kernel knows one pair of Lamé constants.
+  if (kind == FormulationKind::Corotational && materials.uniform_isotropic()) {
+    return std::make_unique<CorotationalTet4>(mesh, materials.list.front());
+  }
+  return make<4>(kind, mesh, materials);
 }
 
 }  // namespace tandem::fem

@@ -3,14 +3,15 @@
 #include <memory>
 
 #include "fem_process/formulation.h"
-#include "fem_process/material.h"
+#include "fem_process/materials.h"
 #include "fem_process/mesh.h"
 #include "fem_process/params.h"
 
 namespace tandem::fem {
 
+/// For the mesh's order.
 [[nodiscard]] std::unique_ptr<const Formulation> make_formulation(FormulationKind kind,
                                                                   const TetMesh& mesh,
-                                                                  const Material& material);
+                                                                  const Materials& materials);
 
 }  // namespace tandem::fem

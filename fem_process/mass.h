@@ -3,20 +3,26 @@
 #include <vector>
 
 #include "fem_process/block_matrix.h"
+#include "fem_process/materials.h"
 #include "fem_process/mesh.h"
 
 namespace tandem::fem {
 
 enum class MassKind {
-  Lumped,     ///< a quarter of the tet's mass on each of its nodes
-  Consistent  ///< ρ V/20 (1 + δ_ij)
+  /// First order: a quarter of the tet's mass on each node. Second order: the mass in proportion to
+  /// the diagonal of the consistent matrix [Hinton, Rock, Zienkiewicz 1976], 1/36 at a corner and
+  /// 4/27 at a mid node of a straight tet; the row sums would be negative at the corners.
+  Lumped,
+  Consistent  ///< ∫ ρ N_i N_j dV; first order: ρ V/20 (1 + δ_ij)
 };
 
 /// Mass matrix as one number per block (kg): M_ij = m_ij I₃.
 [[nodiscard]] std::vector<double> mass_matrix(const TetMesh& mesh, const BlockPattern& pattern,
-                                              double density_kg_per_m3, MassKind kind);
+                                              const Materials& materials, MassKind kind);
 
-/// Row sums of the mass matrix (kg): what gravity acts on; the same for both kinds.
-[[nodiscard]] std::vector<double> nodal_masses(const TetMesh& mesh, double density_kg_per_m3);
+/// Row sums of the mass matrix (kg): what gravity acts on, so that a body falls freely without
+/// strain. Negative at corners of second-order tets with consistent mass.
+[[nodiscard]] std::vector<double> nodal_masses(const BlockPattern& pattern,
+                                               const std::vector<double>& mass);
 
 }  // namespace tandem::fem

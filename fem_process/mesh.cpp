@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fem_process/raw_mesh.h"
+#include "fem_process/tet10.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -35,7 +36,7 @@ double longest_edge(const TetMesh& mesh, const Tet& tet) {
 std::vector<int> number_used_nodes(const RawMesh& raw) {
   std::vector<int> number(raw.node_tags.size(), -1);
   for (const RawMesh::Tetrahedron& tet : raw.tets) {
-    for (std::int64_t tag : tet.nodes) {
+    const auto use = [&](std::int64_t tag) {
       const auto found = raw.node_index.find(tag);
       if (found == raw.node_index.end()) {
         raw.fail(tet.line, "element " + std::to_string(tet.tag) + " uses node " +
@@ -43,7 +44,10 @@ std::vector<int> number_used_nodes(const RawMesh& raw) {
                                ", which the file does not define. Write the mesh again.");
       }
       number[static_cast<std::size_t>(found->second)] = 0;
-    }
+    };
+    for (std::int64_t tag : tet.nodes) use(tag);
+    if (!tet.second_order) continue;
+    for (std::int64_t tag : tet.mids) use(tag);
   }
   int next = 0;
   for (int& n : number) {
@@ -63,6 +67,18 @@ void check_volume(const TetMesh& mesh, const RawMesh::Tetrahedron& tet, const Te
                   " m³). Its corners are numbered inside out or lie in a plane: mesh again.");
 }
 
+void check_mid_nodes(const TetMesh& mesh, const RawMesh::Tetrahedron& tet, std::size_t element) {
+  const double jacobian = smallest_jacobian(mesh, element);
+  if (jacobian > 0.0) return;
+  throw Error(ErrorKind::Usage,
+              mesh.file.string() + ":" + std::to_string(tet.line) + ": element " +
+                  std::to_string(tet.tag) + " is folded: its Jacobian falls to " +
+                  std::to_string(jacobian) +
+                  " of that of its corners. Its mid nodes are in another order or too far off "
+                  "their edges: mesh again, or use straight edges (fem.mesh.order: 2 on a "
+                  "first-order mesh).");
+}
+
 NodeSet place_set(const RawMesh& raw, const RawMesh::Set& set, const std::vector<int>& number) {
   const auto index = [&](std::int64_t tag) {
     const auto found = raw.node_index.find(tag);
@@ -78,12 +94,23 @@ NodeSet place_set(const RawMesh& raw, const RawMesh::Set& set, const std::vector
     if (const int node = index(tag); node >= 0) placed.nodes.push_back(node);
   }
   std::sort(placed.nodes.begin(), placed.nodes.end());
-  for (const auto& corners : set.triangles) {
-    const Triangle triangle{index(corners[0]), index(corners[1]), index(corners[2])};
-    if (*std::min_element(triangle.begin(), triangle.end()) >= 0) {
-      placed.triangles.push_back(triangle);
+  const auto indices = [&](const std::array<std::int64_t, 3>& tags) {
+    return Triangle{index(tags[0]), index(tags[1]), index(tags[2])};
+  };
+  for (const RawMesh::Triangle& triangle : set.triangles) {
+    const Triangle corners = indices(triangle.nodes);
+    if (*std::min_element(corners.begin(), corners.end()) < 0) continue;
+    if (triangle.second_order != raw.second_order()) {
+      raw.fail(set.line,
+               "a set has a triangle that is no face of the tetrahedra or of another "
+               "order than they. Write the whole mesh anew, with one order.");
     }
+    placed.triangles.push_back(corners);
+    if (triangle.second_order) placed.triangle_mids.push_back(indices(triangle.mids));
   }
+  for (std::int64_t tag : set.tets) placed.tets.push_back(raw.tet_index.at(tag));
+  std::sort(placed.tets.begin(), placed.tets.end());
+  placed.tets.erase(std::unique(placed.tets.begin(), placed.tets.end()), placed.tets.end());
   return placed;
 }
 
@@ -102,13 +129,18 @@ TetMesh place(const RawMesh& raw, const MeshParams& params) {
     mesh.node_tags.push_back(raw.node_tags[i]);
   }
   for (const RawMesh::Tetrahedron& tet : raw.tets) {
+    const auto index = [&](std::int64_t tag) {
+      return number[static_cast<std::size_t>(raw.node_index.at(tag))];
+    };
     Tet corners{};
-    for (std::size_t k = 0; k < 4; ++k) {
-      corners[k] = number[static_cast<std::size_t>(raw.node_index.at(tet.nodes[k]))];
-    }
+    for (std::size_t k = 0; k < 4; ++k) corners[k] = index(tet.nodes[k]);
     check_volume(mesh, tet, corners);
     mesh.tets.push_back(corners);
     mesh.element_tags.push_back(tet.tag);
+    if (!tet.second_order) continue;
+    TetMids& mids = mesh.mids.emplace_back();
+    for (std::size_t k = 0; k < 6; ++k) mids[k] = index(tet.mids[k]);
+    check_mid_nodes(mesh, tet, mesh.tets.size() - 1);
   }
   for (const auto& [name, set] : raw.sets) mesh.sets.emplace(name, place_set(raw, set, number));
   return mesh;
@@ -135,6 +167,16 @@ void RawMesh::add_tet(const Tetrahedron& tet) {
                        " is defined twice. Give every element its own number.");
   }
   tets.push_back(tet);
+  if (tet.second_order == second_order()) return;
+  fail(tet.line, "element " + std::to_string(tet.tag) +
+                     " is of another order than the elements before it. Write the whole mesh "
+                     "with one order.");
+}
+
+std::vector<int> TetMesh::element(std::size_t e) const {
+  std::vector<int> nodes(tets[e].begin(), tets[e].end());
+  if (second_order()) nodes.insert(nodes.end(), mids[e].begin(), mids[e].end());
+  return nodes;
 }
 
 TetMesh read_mesh(const MeshParams& params) {
@@ -145,7 +187,13 @@ TetMesh read_mesh(const MeshParams& params) {
   require(extension == ".msh" || extension == ".inp",
           params.file.string() + ": unknown kind of mesh file '" + extension +
               "'. Give a Gmsh .msh (4.1 ASCII) or an Abaqus .inp.");
-  return place(extension == ".msh" ? read_msh(params.file) : read_inp(params.file), params);
+  RawMesh raw = extension == ".msh" ? read_msh(params.file) : read_inp(params.file);
+  require(params.order != 1 || !raw.second_order(),
+          params.file.string() +
+              ": the mesh has second-order tetrahedra, fem.mesh.order asks for the first. Leave "
+              "the key out, or mesh with first-order tetrahedra.");
+  if (params.order == 2 && !raw.second_order()) raise_to_second_order(raw);
+  return place(raw, params);
 }
 
 const NodeSet& find_set(const TetMesh& mesh, const SetName& name) {

@@ -86,8 +86,11 @@ class ShiftInvert {
 /// and large beside the round-off of K.
 double shift_of(const Model& model) {
   const double length = diagonal_of(model.mesh);
-  const Material& material = model.params.material;
-  return -0.01 * material.young_Pa / material.density_kg_per_m3 / (length * length);
+  double fastest = 0.0;
+  for (const Material& material : model.materials.list) {
+    fastest = std::max(fastest, squared_wave_speed(material));
+  }
+  return -0.01 * fastest / (length * length);
 }
 
 struct Pairs {

@@ -35,11 +35,12 @@ double length_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set) {
 Model::Model(Params given) : params(std::move(given)) {
   check(params);
   mesh = read_mesh(params.mesh);
-  formulation = make_formulation(params.formulation, mesh, params.material);
+  materials = params.materials.empty() ? Materials(params.material)
+                                       : assign_materials(mesh, params.materials);
+  formulation = make_formulation(params.formulation, mesh, materials);
   integrator = make_integrator(params.integrator);
-  const double density = params.material.density_kg_per_m3;
-  mass = mass_matrix(mesh, pattern(), density, params.mass);
-  nodal_mass = nodal_masses(mesh, density);
+  mass = mass_matrix(mesh, pattern(), materials, params.mass);
+  nodal_mass = nodal_masses(pattern(), mass);
   load_case_ = LoadCase(mesh, params.loads);
   for (const SetName& name : params.watch) static_cast<void>(find_set(mesh, name));  // must exist
   divide_nodes();

@@ -27,6 +27,7 @@ class Model {
 
   Params params;
   TetMesh mesh;
+  Materials materials;
   std::unique_ptr<const Formulation> formulation;
   std::unique_ptr<const Integrator> integrator;
   std::vector<double> mass;        ///< per block (kg)

@@ -158,41 +158,65 @@ class MshReader {
       const int dimension = static_cast<int>(in_.integer("a dimension"));
       const std::int64_t entity = in_.integer("an entity tag");
       const std::int64_t type = in_.integer("an element type");
-      const std::size_t corners = corners_of(type);
-      const std::size_t n = in_.count("the number of elements in a block", 2 * (corners + 1));
-      for (std::size_t i = 0; i < n; ++i) element(dimension, entity, corners);
+      const std::size_t nodes = nodes_of(type);
+      const std::size_t n = in_.count("the number of elements in a block", 2 * (nodes + 1));
+      for (std::size_t i = 0; i < n; ++i) element(dimension, entity, type, nodes);
     }
     have_elements_ = true;
   }
 
-  std::size_t corners_of(std::int64_t type) const {
+  // Gmsh's numbers of element types.
+  static constexpr std::int64_t kPoint = 15, kLine2 = 1, kTriangle3 = 2, kTet4 = 4, kLine3 = 8,
+                                kTriangle6 = 9, kTet10 = 11;
+
+  std::size_t nodes_of(std::int64_t type) const {
     switch (type) {
-      case 15:
+      case kPoint:
         return 1;
-      case 1:
+      case kLine2:
         return 2;
-      case 2:
+      case kTriangle3:
+      case kLine3:
         return 3;
-      case 4:
+      case kTet4:
         return 4;
+      case kTriangle6:
+        return 6;
+      case kTet10:
+        return 10;
       default:
         in_.fail("Gmsh element type " + std::to_string(type) +
-                 " is not read: only linear tetrahedra with their points, lines and triangles " +
-                 "are. Mesh with Mesh.ElementOrder = 1 and without recombination or hexahedra.");
+                 " is not read: only tetrahedra of first or second order with their points, " +
+                 "lines and triangles are. Mesh with Mesh.ElementOrder = 1 or 2 and without " +
+                 "recombination or hexahedra.");
     }
   }
 
-  void element(int dimension, std::int64_t entity, std::size_t corners) {
+  void element(int dimension, std::int64_t entity, std::int64_t type, std::size_t nodes) {
     const std::int64_t tag = in_.integer("an element tag");
-    std::array<std::int64_t, 4> n{};
-    for (std::size_t k = 0; k < corners; ++k) n[k] = in_.integer("a node tag of an element");
-    if (corners == 4) raw_.add_tet({tag, n, in_.line()});
+    std::array<std::int64_t, 10> n{};
+    for (std::size_t k = 0; k < nodes; ++k) n[k] = in_.integer("a node tag of an element");
+    const bool tet = type == kTet4 || type == kTet10;
+    if (tet) {
+      // Gmsh has the mid nodes of the edges 23 and 13 last, in this order.
+      raw_.add_tet({.tag = tag,
+                    .nodes = {n[0], n[1], n[2], n[3]},
+                    .mids = {n[4], n[5], n[6], n[7], n[9], n[8]},
+                    .second_order = type == kTet10,
+                    .line = in_.line()});
+    }
     const auto found = groups_.find({dimension, entity});
     if (found == groups_.end()) return;
     for (const std::string& name : found->second) {
       RawMesh::Set& set = raw_.sets[name];
-      for (std::size_t k = 0; k < corners; ++k) set.nodes.insert(n[k]);
-      if (corners == 3) set.triangles.push_back({n[0], n[1], n[2]});
+      set.nodes.insert(n.begin(), n.begin() + static_cast<std::ptrdiff_t>(nodes));
+      if (tet) set.tets.push_back(tag);
+      if (type == kLine2) set.lines.push_back({n[0], n[1]});
+      if (type == kTriangle3 || type == kTriangle6) {
+        set.triangles.push_back({.nodes = {n[0], n[1], n[2]},
+                                 .mids = {n[3], n[4], n[5]},
+                                 .second_order = type == kTriangle6});
+      }
     }
   }
 

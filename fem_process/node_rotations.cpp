@@ -27,12 +27,13 @@ NodeRotations::NodeRotations(const TetMesh& mesh, const BlockPattern& pattern,
                              std::vector<int> nodes)
     : pattern_(pattern), nodes_(std::move(nodes)), G_(pattern.blocks(), Eigen::Vector3d::Zero()) {
   std::vector<double> volume(mesh.X.size(), 0.0);
-  for (const Tet& tet : mesh.tets) {
-    const TetShape shape = make_tet_shape(mesh, tet, pattern);
-    for (std::size_t i = 0; i < 4; ++i) {
-      volume[static_cast<std::size_t>(tet[i])] += shape.volume;
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
+    const Tet& corners = mesh.tets[e];
+    const TetShape shape = make_tet_shape(mesh, corners, pattern);
+    for (int i : mesh.element(e)) {
+      volume[static_cast<std::size_t>(i)] += shape.volume;
       for (std::size_t j = 0; j < 4; ++j) {
-        G_[static_cast<std::size_t>(shape.blocks[4 * i + j])] +=
+        G_[static_cast<std::size_t>(pattern.find(i, corners[j]))] +=
             shape.volume * shape.gradients.row(static_cast<Eigen::Index>(j)).transpose();
       }
     }

@@ -9,7 +9,8 @@
 namespace tandem::fem {
 
 /// How far nodes have turned since the reference positions: the rotation of the polar decomposition
-/// of the mean deformation gradient of the tets around a node, weighted by volume,
+/// of the mean deformation gradient of the tets around a node (of second order: that of their
+/// corners), weighted by volume,
 ///   F_i = Σ_e V_e F_e / Σ_e V_e = Σ_j (x_j − x_i) ⊗ G_ij,  G_ij = Σ_e V_e ∇N_j / Σ_e V_e.
 class NodeRotations {
  public:

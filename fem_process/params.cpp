@@ -8,6 +8,7 @@ namespace tandem::fem {
 
 void check(const Params& params) {
   check(params.material);
+  for (const MaterialSection& section : params.materials) check(section.material);
   require(params.mesh.position_m.allFinite(), "fem: the mesh position must be finite.");
   require(std::abs(params.mesh.orientation.norm() - 1.0) < 1e-9,
           "fem: the mesh orientation must be a unit quaternion.");

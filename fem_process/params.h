@@ -8,7 +8,7 @@
 
 #include "fem_process/linear_solver.h"
 #include "fem_process/mass.h"
-#include "fem_process/material.h"
+#include "fem_process/materials.h"
 #include "fem_process/mesh.h"
 #include "protocol/contract/sim_time.h"
 #include "protocol/scenario/law.h"
@@ -42,7 +42,7 @@ struct IntegratorParams {
 struct Load {
   enum class Kind {
     Nodal,        ///< `value` is the total force (N), in equal parts on the nodes of the set
-    Surface,      ///< `value` is the traction (Pa), a third of each triangle's force on its corners
+    Surface,      ///< `value` is the traction (Pa), ∫ N_i dA of it at node i
     SurfaceForce  ///< `value` is the total force (N) of such a uniform traction
   };
   Kind kind = Kind::Nodal;
@@ -68,7 +68,8 @@ struct PortSet {
 
 struct Params {
   MeshParams mesh;
-  Material material;
+  Material material;                       ///< of all elements when `materials` is empty
+  std::vector<MaterialSection> materials;  ///< every element in exactly one
   FormulationKind formulation = FormulationKind::Corotational;
   MassKind mass = MassKind::Consistent;
   Damping damping;

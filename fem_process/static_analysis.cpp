@@ -75,8 +75,7 @@ SolveReport StaticAnalysis::direction(const Point& point, Eigen::VectorXd& delta
   SolveReport report = solver_->factorize(interior);
   if (report.outcome == Outcome::Failed) {
     if (!definite_) {
-      definite_ =
-          make_formulation(FormulationKind::Corotational, model_.mesh, model_.params.material);
+      definite_ = make_formulation(FormulationKind::Corotational, model_.mesh, model_.materials);
     }
     Eigen::VectorXd f_int;
     BlockValues K;

@@ -16,6 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the files say LittleEndian");
 
 constexpr std::uint8_t kVtkTetra = 10;
+constexpr std::uint8_t kVtkQuadraticTetra = 24;  // its nodes in the order of TetMesh
 
 std::string base64(const std::vector<unsigned char>& bytes) {
   static constexpr char kDigits[] =
@@ -57,11 +58,13 @@ std::string vectors(const std::string& name, const Eigen::VectorXd& values) {
 std::string cells(const Model& model) {
   std::vector<std::int32_t> connectivity;
   std::vector<std::int32_t> offsets;
-  for (const Tet& tet : model.mesh.tets) {
-    connectivity.insert(connectivity.end(), tet.begin(), tet.end());
+  for (std::size_t e = 0; e < model.mesh.tets.size(); ++e) {
+    const std::vector<int> nodes = model.mesh.element(e);
+    connectivity.insert(connectivity.end(), nodes.begin(), nodes.end());
     offsets.push_back(static_cast<std::int32_t>(connectivity.size()));
   }
-  const std::vector<std::uint8_t> types(offsets.size(), kVtkTetra);
+  const std::vector<std::uint8_t> types(offsets.size(),
+                                        model.mesh.second_order() ? kVtkQuadraticTetra : kVtkTetra);
   return "<Cells>\n" + data_array<std::int32_t>("connectivity", "Int32", 1, connectivity) +
          data_array<std::int32_t>("offsets", "Int32", 1, offsets) +
          data_array<std::uint8_t>("types", "UInt8", 1, types) + "</Cells>\n";

@@ -1,15 +1,16 @@
 # Tests of fem, one executable a line.
 tandem_test(fem_unit
   SOURCES unit/fem_body.cpp unit/fem_element.cpp unit/fem_formulations.cpp unit/fem_interface_jacobian.cpp unit/fem_keys.cpp
-    unit/fem_mesh.cpp unit/fem_momentum.cpp unit/fem_solvers.cpp unit/fem_vtu.cpp
+    unit/fem_materials.cpp unit/fem_mesh.cpp unit/fem_momentum.cpp unit/fem_solvers.cpp unit/fem_tet10.cpp
+    unit/fem_tet10_mesh.cpp unit/fem_vtu.cpp
   LIBS fem LABELS unit)
 tandem_test(fem_contract SOURCES contract/fem_contract.cpp LIBS fem LABELS contract)
 tandem_test(fem_reference
   SOURCES reference/fem_modes.cpp reference/fem_reference.cpp reference/fem_statics.cpp
-    reference/fem_transient.cpp support/fem_reference_cases.cpp
+    reference/fem_tet10_reference.cpp reference/fem_transient.cpp support/fem_reference_cases.cpp
   LIBS fem LABELS reference)
 tandem_test(fem_command SOURCES process/fem_command.cpp LIBS orchestrator LABELS process)
-tandem_test(fem_convergence SOURCES convergence/fem_order.cpp LIBS fem LABELS convergence)
+tandem_test(fem_convergence SOURCES convergence/fem_mesh_size.cpp convergence/fem_order.cpp LIBS fem LABELS convergence)
 
 # Regenerates docs/figures/figure4.svg and the tables of docs/fem.md.
 add_executable(figure4 bench/figure4.cpp support/fem_reference_cases.cpp)

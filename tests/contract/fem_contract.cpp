@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <tuple>
 
 #include "tests/support/fem_support.h"
 
@@ -9,24 +10,30 @@ namespace {
 
 using namespace testing;
 
-Params of_kind(IntegratorKind integrator, SolverKind solver) {
+Params of_kind(IntegratorKind integrator, SolverKind solver, int order = 1) {
   Params params = bar_with_two_ports();
+  params.mesh.order = order;
   params.integrator.kind = integrator;
   params.solver.kind = solver;
   params.damping = {.alpha_per_s = 1.0, .beta_s = 1e-4};
   return params;
 }
 
-class FemContract : public ::testing::TestWithParam<std::pair<IntegratorKind, SolverKind>> {
+class FemContract : public ::testing::TestWithParam<std::tuple<IntegratorKind, SolverKind, int>> {
  protected:
-  Params params() const { return of_kind(GetParam().first, GetParam().second); }
+  static Params params() {
+    const auto& [integrator, solver, order] = GetParam();
+    return of_kind(integrator, solver, order);
+  }
 };
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, FemContract,
-    ::testing::Values(std::pair{IntegratorKind::BackwardEuler, SolverKind::Cholmod},
-                      std::pair{IntegratorKind::Hht, SolverKind::Cholmod},
-                      std::pair{IntegratorKind::BackwardEuler, SolverKind::Pcg}));
+    ::testing::Values(std::tuple{IntegratorKind::BackwardEuler, SolverKind::Cholmod, 1},
+                      std::tuple{IntegratorKind::Hht, SolverKind::Cholmod, 1},
+                      std::tuple{IntegratorKind::BackwardEuler, SolverKind::Pcg, 1},
+                      std::tuple{IntegratorKind::Hht, SolverKind::Cholmod, 2},
+                      std::tuple{IntegratorKind::BackwardEuler, SolverKind::Pcg, 2}));
 
 // One body makes every macro step once, the other repeats each one three times, with other inputs
 // in between and with the Jacobian: state and wrenches must have the same bits.

@@ -59,4 +59,40 @@ inline std::string box_inp(int n) {
          "\n*SURFACE, NAME=END, TYPE=ELEMENT\n" + faces;
 }
 
+/// Abaqus text of the unit cube divided into n³ cells of six tets each.
+inline std::string cube_inp(int n) {
+  const auto tag = [n](const std::array<int, 3>& at) {
+    return 1 + ((n + 1) * at[0] + at[1]) * (n + 1) + at[2];
+  };
+  std::string nodes = "*NODE\n";
+  std::string tets = "*ELEMENT, TYPE=C3D4, ELSET=ALL\n";
+  int element = 0;
+  std::array<int, 3> at{};
+  for (at[0] = 0; at[0] <= n; ++at[0]) {
+    for (at[1] = 0; at[1] <= n; ++at[1]) {
+      for (at[2] = 0; at[2] <= n; ++at[2]) {
+        nodes += std::to_string(tag(at));
+        for (int c : at) nodes += ", " + std::to_string(static_cast<double>(c) / n);
+        nodes += "\n";
+        if (*std::max_element(at.begin(), at.end()) == n) continue;
+        std::array<int, 3> axes{0, 1, 2};
+        do {
+          std::array<int, 3> corner = at;
+          std::array<int, 4> tet{tag(corner), 0, 0, 0};
+          for (std::size_t k = 0; k < 3; ++k) {
+            ++corner[static_cast<std::size_t>(axes[k])];
+            tet[k + 1] = tag(corner);
+          }
+          const bool odd = (axes[0] > axes[1]) ^ (axes[0] > axes[2]) ^ (axes[1] > axes[2]);
+          if (odd) std::swap(tet[1], tet[2]);
+          tets += std::to_string(++element);
+          for (int c : tet) tets += ", " + std::to_string(c);
+          tets += "\n";
+        } while (std::next_permutation(axes.begin(), axes.end()));
+      }
+    }
+  }
+  return nodes + tets;
+}
+
 }  // namespace tandem::fem::testing

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <random>
+#include <tuple>
 
 #include "fem_process/make_formulation.h"
 #include "fem_process/polar.h"
@@ -15,7 +16,17 @@ using namespace testing;
 
 const Material kSoft{.young_Pa = 5e6, .poisson = 0.3, .density_kg_per_m3 = 1000.0};
 
-TetMesh bar() { return read_mesh({.file = data_file("bar.msh")}); }
+/// Wood-like, its axes turned out of those of the bar.
+Material orthotropic() {
+  Material material = kSoft;
+  material.orthotropic = {.young_Pa = {5e6, 1e6, 0.6e6},
+                          .poisson = {0.35, 0.4, 0.45},
+                          .shear_Pa = {0.7e6, 0.8e6, 0.3e6},
+                          .axes = rotation({0.4, -0.7, 1.1}).toRotationMatrix()};
+  return material;
+}
+
+TetMesh bar(int order = 1) { return read_mesh({.file = data_file("bar.msh"), .order = order}); }
 
 Eigen::VectorXd noise(Eigen::Index size, double amplitude, unsigned seed) {
   std::mt19937 random(seed);
@@ -23,9 +34,10 @@ Eigen::VectorXd noise(Eigen::Index size, double amplitude, unsigned seed) {
   return Eigen::VectorXd::NullaryExpr(size, [&] { return uniform(random); });
 }
 
-/// Turned by about 2 rad and strained by about 10 %.
+/// Turned by about 2 rad and strained by about 10 %: nodes of second order are half as far apart,
+/// and gradients at their integration points up to three times as large.
 Eigen::VectorXd deformed(const TetMesh& mesh) {
-  Eigen::VectorXd x = noise(3 * mesh.nodes(), 2e-3, 7);
+  Eigen::VectorXd x = noise(3 * mesh.nodes(), mesh.second_order() ? 3e-4 : 2e-3, 7);
   const Eigen::Matrix3d R = rotation({1, 2, 0.5}).toRotationMatrix();
   for (int i = 0; i < mesh.nodes(); ++i) {
     x.segment<3>(3 * i) += R * mesh.X[static_cast<std::size_t>(i)];
@@ -43,12 +55,19 @@ Evaluated evaluated(const Formulation& formulation, const Eigen::VectorXd& x) {
   return result;
 }
 
-class FemFormulation : public ::testing::TestWithParam<FormulationKind> {
+enum class Kind { Isotropic, Orthotropic };
+using Case = std::tuple<FormulationKind, int, Kind>;  // the mesh's order in the middle
+
+class FemFormulation : public ::testing::TestWithParam<Case> {
  protected:
-  TetMesh mesh = bar();
-  std::unique_ptr<const Formulation> formulation = make_formulation(GetParam(), mesh, kSoft);
+  Material material = std::get<2>(GetParam()) == Kind::Isotropic ? kSoft : orthotropic();
+  TetMesh mesh = bar(std::get<1>(GetParam()));
+  std::unique_ptr<const Formulation> formulation =
+      make_formulation(std::get<0>(GetParam()), mesh, material);
 };
 class FemConsistentFormulation : public FemFormulation {};
+class FemNonlinearFormulation : public FemFormulation {};
+class FemIsotropicFormulation : public FemFormulation {};
 
 // Central differences with 1e-6 m of edges of 0.03 m: truncation (1e-6/0.03)² ~ 1e-9; round-off
 // ε E_total/δ ~ 1e-16 · 10 J/1e-6 m = 1e-9 N beside forces of 100 N.
@@ -56,7 +75,7 @@ TEST_P(FemFormulation, ForceIsTheGradientOfTheEnergy) {
   Eigen::VectorXd x = deformed(mesh);
   const Eigen::VectorXd f = evaluated(*formulation, x).f;
   const double delta = 1e-6;
-  for (Eigen::Index i = 0; i < x.size(); i += 7) {
+  for (Eigen::Index i = 0; i < x.size(); i += mesh.second_order() ? 97 : 7) {
     const double at = x(i);
     x(i) = at + delta;
     const double above = formulation->energy(x);
@@ -99,7 +118,7 @@ TEST_P(FemFormulation, StiffnessIsExactlySymmetric) {
 TEST_P(FemFormulation, StiffnessAtRestIsTheLinearOne) {
   Eigen::VectorXd X(3 * mesh.nodes());
   for (int i = 0; i < mesh.nodes(); ++i) X.segment<3>(3 * i) = mesh.X[static_cast<std::size_t>(i)];
-  const auto linear = make_formulation(FormulationKind::Linear, mesh, kSoft);
+  const auto linear = make_formulation(FormulationKind::Linear, mesh, material);
   const BlockValues expected = evaluated(*linear, X).K;
   const Evaluated found = evaluated(*formulation, X);
   double largest = 0.0;
@@ -110,7 +129,32 @@ TEST_P(FemFormulation, StiffnessAtRestIsTheLinearOne) {
   EXPECT_LT(found.f.cwiseAbs().maxCoeff(), 1e-16 * largest);
 }
 
-TEST_P(FemFormulation, VonMisesOfUniaxialTensionIsTheStress) {
+// Forces and moments of every element cancel, whatever its deformation: |f| ~ 100 N, arms of 0.5 m,
+// about 1e3 element nodes, each with the round-off of the rotation.
+TEST_P(FemNonlinearFormulation, ForcesAndMomentsCancel) {
+  const Eigen::VectorXd x = deformed(mesh);
+  const Eigen::VectorXd f = evaluated(*formulation, x).f;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < x.size(); i += 3) {
+    force += f.segment<3>(i);
+    moment += Eigen::Vector3d(x.segment<3>(i)).cross(Eigen::Vector3d(f.segment<3>(i)));
+  }
+  EXPECT_LT(force.norm(), 1e-12 * f.norm());
+  EXPECT_LT(moment.norm(), 1e-12 * f.norm());
+}
+
+// ε E l² · 20 elements at a node, as below.
+TEST_P(FemNonlinearFormulation, RigidMotionGivesNoForce) {
+  const Eigen::Matrix3d R = rotation({2.0, -1.0, 0.7}).toRotationMatrix();
+  Eigen::VectorXd x(3 * mesh.nodes());
+  for (int i = 0; i < mesh.nodes(); ++i) {
+    x.segment<3>(3 * i) = R * mesh.X[static_cast<std::size_t>(i)] + Eigen::Vector3d(1, -2, 3);
+  }
+  EXPECT_LT(evaluated(*formulation, x).f.cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_P(FemIsotropicFormulation, VonMisesOfUniaxialTensionIsTheStress) {
   const double strain = 1e-6;
   Eigen::VectorXd x(3 * mesh.nodes());
   for (int i = 0; i < mesh.nodes(); ++i) {
@@ -138,24 +182,55 @@ TEST_P(FemConsistentFormulation, StiffnessIsTheDerivativeOfTheForce) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, FemFormulation,
-                         ::testing::Values(FormulationKind::Linear, FormulationKind::Corotational,
-                                           FormulationKind::ConsistentCorotational,
-                                           FormulationKind::TotalLagrangian));
-INSTANTIATE_TEST_SUITE_P(All, FemConsistentFormulation,
-                         ::testing::Values(FormulationKind::Linear,
-                                           FormulationKind::ConsistentCorotational,
-                                           FormulationKind::TotalLagrangian));
+const auto kOrders = ::testing::Values(1, 2);
+const auto kMaterials = ::testing::Values(Kind::Isotropic, Kind::Orthotropic);
+const auto kKinds =
+    ::testing::Values(FormulationKind::Linear, FormulationKind::Corotational,
+                      FormulationKind::ConsistentCorotational, FormulationKind::TotalLagrangian);
+INSTANTIATE_TEST_SUITE_P(All, FemFormulation, ::testing::Combine(kKinds, kOrders, kMaterials));
+INSTANTIATE_TEST_SUITE_P(All, FemIsotropicFormulation,
+                         ::testing::Combine(kKinds, kOrders, ::testing::Values(Kind::Isotropic)));
+INSTANTIATE_TEST_SUITE_P(
+    All, FemNonlinearFormulation,
+    ::testing::Combine(::testing::Values(FormulationKind::Corotational,
+                                         FormulationKind::ConsistentCorotational,
+                                         FormulationKind::TotalLagrangian),
+                       kOrders, kMaterials));
+INSTANTIATE_TEST_SUITE_P(
+    All, FemConsistentFormulation,
+    ::testing::Combine(::testing::Values(FormulationKind::Linear,
+                                         FormulationKind::ConsistentCorotational,
+                                         FormulationKind::TotalLagrangian),
+                       kOrders, kMaterials));
 
 // The two co-rotational formulations differ in the tangent alone. Both forces carry the round-off
 // of the rotation, ε E l² ~ 2e-16 · 5e6 · 1e-3 N = 1e-12 N, for some twenty elements at a node.
 TEST(FemFormulations, BothCorotationalOnesHaveTheSameForces) {
+  for (int order : {1, 2}) {
+    const TetMesh mesh = bar(order);
+    const Eigen::VectorXd x = deformed(mesh);
+    const auto simplified = make_formulation(FormulationKind::Corotational, mesh, kSoft);
+    const auto consistent = make_formulation(FormulationKind::ConsistentCorotational, mesh, kSoft);
+    EXPECT_LT((evaluated(*simplified, x).f - evaluated(*consistent, x).f).cwiseAbs().maxCoeff(),
+              1e-9);
+  }
+}
+
+// The road of several materials, taken with twice the same one, against the fast kernel.
+TEST(FemFormulations, SeveralEqualMaterialsAreOne) {
   const TetMesh mesh = bar();
   const Eigen::VectorXd x = deformed(mesh);
-  const auto simplified = make_formulation(FormulationKind::Corotational, mesh, kSoft);
-  const auto consistent = make_formulation(FormulationKind::ConsistentCorotational, mesh, kSoft);
-  EXPECT_LT((evaluated(*simplified, x).f - evaluated(*consistent, x).f).cwiseAbs().maxCoeff(),
-            1e-9);
+  Materials twice;
+  twice.list = {kSoft, kSoft};
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) twice.of_element.push_back(e % 2 == 0);
+  const Evaluated one = evaluated(*make_formulation(FormulationKind::Corotational, mesh, kSoft), x);
+  const Evaluated two = evaluated(*make_formulation(FormulationKind::Corotational, mesh, twice), x);
+  EXPECT_LT((one.f - two.f).cwiseAbs().maxCoeff(), 1e-9);
+  double largest = 0.0;
+  for (double value : one.K) largest = std::max(largest, std::abs(value));
+  for (std::size_t i = 0; i < one.K.size(); ++i) {
+    EXPECT_NEAR(one.K[i], two.K[i], 1e-13 * largest);
+  }
 }
 
 // Closed forms of St. Venant–Kirchhoff in uniaxial stretch λ without lateral strain:

@@ -86,6 +86,14 @@ TEST(FemInterfaceJacobian, MatchesCentralDifferencesForHht) {
   EXPECT_LT(jacobian_error(params, 1, 1e-3), 1e-6);
 }
 
+TEST(FemInterfaceJacobian, MatchesCentralDifferencesForSecondOrderTetsOverMicroSteps) {
+  Params params = bar_with_two_ports();
+  params.mesh.order = 2;
+  params.integrator = {.kind = IntegratorKind::Hht, .hht_alpha = -0.1};
+  params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
+  EXPECT_LT(jacobian_error(params, 2, 1e-4), 1e-6);
+}
+
 // PCG solves the columns to its tolerance.
 TEST(FemInterfaceJacobian, MatchesCentralDifferencesWithPcg) {
   Params params = bar_with_two_ports();

@@ -189,8 +189,9 @@ TEST(FemMeshDefects, NoTets) {
                                     "3 2 4 2\n7 10 20 30 40\n8 20 50 30 40\n", "");
   expect_error("none.msh", text, 1, "no tetrahedra");
 }
-TEST(FemMeshDefects, SecondOrderTets) {
-  expect_error("second.msh", replaced(kMsh, "3 2 4 2", "3 2 11 2"), 38, "Mesh.ElementOrder = 1");
+TEST(FemMeshDefects, ThirdOrderTets) {
+  expect_error("third.msh", replaced(kMsh, "3 2 4 2", "3 2 29 2"), 38,
+               "Mesh.ElementOrder = 1 or 2");
 }
 TEST(FemMeshDefects, Hexahedra) {
   expect_error("hex.msh", replaced(kMsh, "3 2 4 2", "3 2 5 2"), 38, "element type 5");

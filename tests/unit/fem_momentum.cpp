@@ -11,8 +11,12 @@ using namespace testing;
 // wrenches' impulse is the momentum's change. The free nodes' equations hold to the solver's
 // residual: CHOLMOD leaves about 1e-15 of the stiffness forces (E A = 12.5 kN · strain), well below
 // 1e-11 of the momentum of 1.2 kg · 1 m/s.
-TEST(FemMomentum, WrenchImpulseIsMomentumChangeToRoundOff) {
+class FemMomentum : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Orders, FemMomentum, ::testing::Values(1, 2));
+
+TEST_P(FemMomentum, WrenchImpulseIsMomentumChangeToRoundOff) {
   Params params = bar_with_two_ports();
+  params.mesh.order = GetParam();
   params.gravity_m_per_s2 = {0.5, -1.0, -9.81};
   params.damping.beta_s = 1e-3;
   params.loads = {{.kind = Load::Kind::Nodal,

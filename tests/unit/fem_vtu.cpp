@@ -61,6 +61,32 @@ TEST(FemVtu, ArraysHoldTheStateBitForBit) {
   EXPECT_EQ(types.back(), 10);  // VTK_TETRA
 }
 
+// VTK_QUADRATIC_TETRA: corners, then mid nodes of the edges 01, 12, 20, 03, 13, 23.
+TEST(FemVtu, SecondOrderTetsAreQuadraticTetras) {
+  Params params = bar_with_two_ports();
+  params.mesh.order = 2;
+  FlexibleBody body(params);
+  body.initialize(pair_motion(0.0));
+  const std::string vtu = vtu_text(body.model(), body.state());
+  const std::vector<unsigned char> types = array_bytes(vtu, "types");
+  ASSERT_EQ(types.size(), 4U + 369U);
+  EXPECT_EQ(types.back(), 24);
+  const std::vector<unsigned char> bytes = array_bytes(vtu, "connectivity");
+  ASSERT_EQ(bytes.size(), 4U + 4U * 3690U);
+  std::vector<std::int32_t> nodes(3690);
+  std::memcpy(nodes.data(), bytes.data() + 4, 4 * nodes.size());
+  constexpr std::size_t kVtkEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+  const auto X = [&](std::size_t cell, std::size_t k) {
+    return body.model().mesh.X[static_cast<std::size_t>(nodes[10 * cell + k])];
+  };
+  for (std::size_t cell = 0; cell < 369; ++cell) {
+    for (std::size_t k = 0; k < 6; ++k) {
+      const Eigen::Vector3d middle = 0.5 * (X(cell, kVtkEdges[k][0]) + X(cell, kVtkEdges[k][1]));
+      EXPECT_LT((X(cell, 4 + k) - middle).norm(), 1e-15);
+    }
+  }
+}
+
 TEST(FemVtu, WritesEveryNthAcceptedStateAndTheCollection) {
   FlexibleBody body(bar_with_two_ports());
   const std::filesystem::path folder = temporary_file("x", "").parent_path() / "vtu";

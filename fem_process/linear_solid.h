@@ -4,16 +4,18 @@
 #include <vector>
 
 #include "fem_process/formulation.h"
-#include "fem_process/material.h"
-#include "fem_process/tet4.h"
+#include "fem_process/materials.h"
+#include "fem_process/solid_element.h"
 
 namespace tandem::fem {
 
-/// Linear tetrahedra of small displacements: f_int = K (x − X), K = Σ V Bᵀ D B. A rotation of the
-/// body strains it: for motions well below 1 % of a radian only.
-class LinearTet4 final : public Formulation {
+/// Tetrahedra of N = 4 or 10 nodes for small displacements: f_int = K (x − X),
+///   K_ij e_a = Σ V C : sym(e_a ∂N_jᵀ) ∂N_i/∂X.
+/// A rotation of the body strains it: for motions well below 1 % of a radian only.
+template <int N>
+class LinearSolid final : public Formulation {
  public:
-  LinearTet4(const TetMesh& mesh, const Material& material);
+  LinearSolid(const TetMesh& mesh, const Materials& materials);
 
   [[nodiscard]] const BlockPattern& pattern() const override { return pattern_; }
   int evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K) const override;
@@ -23,11 +25,17 @@ class LinearTet4 final : public Formulation {
   [[nodiscard]] std::vector<ElementResult> element_results(const Eigen::VectorXd& x) const override;
 
  private:
+  using Element = SolidElement<N>;
+
   Eigen::VectorXd X_;
-  Matrix6d D_;
   BlockPattern pattern_;
-  std::vector<TetShape> shapes_;
+  Materials materials_;
+  std::vector<Matrix6d> C_;  ///< one per material
+  std::vector<Element> elements_;
   BlockValues K_;
 };
+
+extern template class LinearSolid<4>;
+extern template class LinearSolid<10>;
 
 }  // namespace tandem::fem
