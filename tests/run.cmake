@@ -13,6 +13,7 @@ function(tandem_run_test name source labels)
     TANDEM_FAULT_SHIM="$<TARGET_FILE:tandem_fault_shim>")
 endfunction()
 
+tandem_run_test(run_report process/run_report.cpp process)
 tandem_run_test(run_same_bits process/run_same_bits.cpp "process;equivalence")
 tandem_run_test(run_environment process/run_environment.cpp process)
 tandem_run_test(run_failures process/run_failures.cpp process)

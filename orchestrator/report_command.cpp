@@ -1,0 +1,31 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "orchestrator/commands.h"
+#include "orchestrator/report_page.h"
+#include "orchestrator/text_file.h"
+
+namespace tandem::orchestrator {
+
+void add_report(CLI::App& app) {
+  auto runs = std::make_shared<std::vector<std::string>>();
+  auto out = std::make_shared<std::string>();
+  CLI::App* sub = app.add_subcommand(
+      "report", "One self-contained HTML page with plots of one or several runs");
+  sub->add_option("RUN", *runs, "Run folders")->required();
+  sub->add_option("--out", *out, "HTML file [report.html in the first run folder]");
+  sub->callback([runs, out] {
+    const std::vector<std::filesystem::path> folders(runs->begin(), runs->end());
+    const std::string page = report_page(folders);
+    const std::filesystem::path file =
+        out->empty() ? folders.front() / "report.html" : std::filesystem::path(*out);
+    write_text_file(file, page);
+    std::printf("%s\n", file.c_str());
+  });
+}
+
+}  // namespace tandem::orchestrator
