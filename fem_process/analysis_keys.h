@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "fem_process/set_motion.h"
 #include "fem_process/static_analysis.h"
 #include "protocol/scenario/key_table.h"
 #include "protocol/scenario/node.h"
@@ -10,7 +12,8 @@ namespace tandem::fem {
 
 /// What `tandem fem` computes.
 struct AnalysisParams {
-  std::string kind = "static";  ///< static, modes or transient
+  std::string kind = "static";  ///< static, quasi_static, modes or transient
+  std::vector<SetMotion> motions;
   StaticParams statics;
   int modes = 10;  ///< lowest eigenfrequencies
 };

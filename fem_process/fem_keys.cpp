@@ -71,19 +71,40 @@ Key integrator_key() {
   integrator.title = "Integrator";
   integrator.doc = "The time integration of the flexible body.";
   integrator.keys = {
-      scenario::choice("kind", {"backward_euler", "hht"})
+      scenario::choice("kind",
+                       {"backward_euler", "hht", "generalised_alpha", "newmark", "quasi_static"})
           .by_default("backward_euler")
-          .doc_is("First order and robust, or HHT-α, second order, for vibration."),
+          .doc_is("First order and robust; or of second order, for vibration: HHT-α, "
+                  "generalised-α, Newmark; or static equilibrium in every step, without inertia "
+                  "and damping."),
       scenario::real("hht_alpha", "")
           .only_when("kind", {"hht"})
           .between(-1.0 / 3.0, 0)
           .by_default("-0.05")
           .doc_is("Numerical damping of HHT: 0 none (trapezoidal rule), -1/3 most."),
+      scenario::real("rho_infinity", "")
+          .only_when("kind", {"generalised_alpha"})
+          .between(0, 1)
+          .by_default("0.9")
+          .doc_is("Amplification of infinitely fast motions by a step of generalised-α: 1 damps "
+                  "nothing, 0 ends them in one step."),
+      scenario::real("newmark_beta", "")
+          .only_when("kind", {"newmark"})
+          .between(0, 1)
+          .above(0)
+          .by_default("0.25")
+          .doc_is("Newmark's β: 1/4 average, 1/6 linear acceleration. Below newmark_gamma/2 the "
+                  "step is stable for slow motions only."),
+      scenario::real("newmark_gamma", "")
+          .only_when("kind", {"newmark"})
+          .between(0.5, 1)
+          .by_default("0.5")
+          .doc_is("Newmark's γ: above 1/2 damps and is of first order."),
       scenario::integer("newton_steps")
           .at_least(0)
           .by_default("0")
           .doc_is("Most equilibrium iterations of a step; 0 is the single linearised step of "
-                  "[MZ12]. The interface Jacobian is then exact for an exact tangent only."),
+                  "[MZ12], or 100 iterations when quasi_static."),
       scenario::real("newton_tolerance", "")
           .above(0)
           .below(1)
@@ -200,6 +221,15 @@ IntegratorParams read_integrator(const Node& node) {
   if (node.text("kind") == "hht") {
     integrator.kind = IntegratorKind::Hht;
     integrator.hht_alpha = node.real("hht_alpha");
+  } else if (node.text("kind") == "generalised_alpha") {
+    integrator.kind = IntegratorKind::GeneralisedAlpha;
+    integrator.rho_infinity = node.real("rho_infinity");
+  } else if (node.text("kind") == "quasi_static") {
+    integrator.kind = IntegratorKind::QuasiStatic;
+  } else if (node.text("kind") == "newmark") {
+    integrator.kind = IntegratorKind::Newmark;
+    integrator.newmark_beta = node.real("newmark_beta");
+    integrator.newmark_gamma = node.real("newmark_gamma");
   }
   return integrator;
 }

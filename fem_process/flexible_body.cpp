@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "fem_process/quasi_static.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/segment.h"
 
@@ -28,6 +29,7 @@ std::string at_time(SimTime time) {
 }  // namespace
 
 FlexibleBody::FlexibleBody(Params params) : model_(std::move(params)) {
+  if (!model_.integrator->inertia()) require_held(model_);
   info_.name = "fem";
   for (const Model::Port& port : model_.ports) info_.ports.push_back({port.name, port.length_m});
   info_.micro_step = model_.params.micro_step;
@@ -45,7 +47,7 @@ WrenchSet FlexibleBody::initialize(const MotionSet& motions) {
   WrenchSet wrenches;
   const SolveReport report = step_->start(motions, state_, wrenches);
   if (report.outcome != Outcome::Done) {
-    throw Error(ErrorKind::NotSolved, at_time({}) + "initial accelerations: " + report.message);
+    throw Error(ErrorKind::NotSolved, at_time({}) + "initial state: " + report.message);
   }
   state_.generation = ++generations_;
   saved_ = state_;
@@ -138,8 +140,10 @@ Observation FlexibleBody::observe() {
   Observation seen;
   seen.time = state_.time;
   seen.state_hash = state_.hash();
-  seen.energy.kinetic_J =
-      0.5 * state_.v.dot(multiply_scalar(model_.pattern(), model_.mass, state_.v));
+  if (model_.integrator->inertia()) {
+    seen.energy.kinetic_J =
+        0.5 * state_.v.dot(multiply_scalar(model_.pattern(), model_.mass, state_.v));
+  }
   seen.energy.elastic_J = model_.formulation->energy(state_.x);
   for (int i = 0; i < model_.mesh.nodes(); ++i) {
     seen.energy.potential_J -= model_.nodal_mass[static_cast<std::size_t>(i)] *

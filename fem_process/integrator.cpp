@@ -1,5 +1,8 @@
 #include "fem_process/integrator.h"
 
+#include "fem_process/generalised_alpha.h"
+#include "fem_process/quasi_static.h"
+
 namespace tandem::fem {
 
 StepMap BackwardEuler::map(const State& state, double h_s) const {
@@ -31,8 +34,26 @@ StepMap Hht::map(const State& state, double h_s) const {
   return map;
 }
 
+void Hht::keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a, double h_s,
+               State& after) const {
+  after.a_mean = (v - begin.v) / h_s;
+  after.a = a;
+}
+
 std::unique_ptr<Integrator> make_integrator(const IntegratorParams& params) {
-  if (params.kind == IntegratorKind::Hht) return std::make_unique<Hht>(params.hht_alpha);
+  switch (params.kind) {
+    case IntegratorKind::Hht:
+      return std::make_unique<Hht>(params.hht_alpha);
+    case IntegratorKind::GeneralisedAlpha:
+      return std::make_unique<GeneralisedAlpha>(GeneralisedAlpha::weights_of(params.rho_infinity));
+    case IntegratorKind::Newmark:
+      return std::make_unique<GeneralisedAlpha>(
+          GeneralisedAlpha::Weights{.beta = params.newmark_beta, .gamma = params.newmark_gamma});
+    case IntegratorKind::QuasiStatic:
+      return std::make_unique<QuasiStatic>();
+    case IntegratorKind::BackwardEuler:
+      break;
+  }
   return std::make_unique<BackwardEuler>();
 }
 

@@ -33,11 +33,19 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
   [[nodiscard]] virtual StepMap map(const State& state, double h_s) const = 0;
-  /// Whether the state carries a, a_mean, force and react.
+  /// The accelerations that the next steps need, from the step's v⁺ and a⁺: a, a_mean and, where
+  /// it is not a, acceleration. Linear in all arguments, so that it carries derivatives as well.
+  virtual void keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a,
+                    double h_s, State& after) const = 0;
+  /// Whether the state carries a and a_mean.
   [[nodiscard]] virtual bool keeps_history() const = 0;
+  /// Whether the balance weighs old forces, θ < 1: the state then carries force and react.
+  [[nodiscard]] virtual bool averages_forces() const = 0;
   /// Where the arms of the ports' torques stand: in the pose at the beginning of the step, or at
   /// its end. See TransientStep::advance.
   [[nodiscard]] virtual bool torque_arms_at_begin() const = 0;
+  /// Whether masses and velocities enter the balance; false: statics.
+  [[nodiscard]] virtual bool inertia() const { return true; }
 };
 
 /// x⁺ = x + h v⁺, a⁺ = (v⁺ − v)/h, θ = 1, x̃ = x: (M + h C + h² K_R) v⁺ = M v + h (f_ext⁺ −
@@ -49,7 +57,12 @@ class Integrator {
 class BackwardEuler final : public Integrator {
  public:
   [[nodiscard]] StepMap map(const State& state, double h_s) const override;
+  void keep(const State&, const Eigen::VectorXd&, const Eigen::VectorXd&, double,
+            State&) const override {
+    // x and v are all its history.
+  }
   [[nodiscard]] bool keeps_history() const override { return false; }
+  [[nodiscard]] bool averages_forces() const override { return false; }
   [[nodiscard]] bool torque_arms_at_begin() const override { return true; }
 };
 
@@ -67,7 +80,10 @@ class Hht final : public Integrator {
  public:
   explicit Hht(double alpha) : alpha_(alpha) {}
   [[nodiscard]] StepMap map(const State& state, double h_s) const override;
+  void keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a, double h_s,
+            State& after) const override;
   [[nodiscard]] bool keeps_history() const override { return true; }
+  [[nodiscard]] bool averages_forces() const override { return true; }
   [[nodiscard]] bool torque_arms_at_begin() const override { return false; }
 
  private:

@@ -34,6 +34,15 @@ double length_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set) {
 
 Model::Model(Params given) : params(std::move(given)) {
   check(params);
+  if (params.integrator.kind == IntegratorKind::QuasiStatic) {
+    params.damping = {};
+    // The equilibria are the same; without inertia in the matrix the simplified tangent, which
+    // leaves out the stiffness of tension, would not lead there.
+    if (params.formulation == FormulationKind::Corotational) {
+      params.formulation = FormulationKind::ConsistentCorotational;
+    }
+    if (params.integrator.newton_steps == 0) params.integrator.newton_steps = 100;
+  }
   mesh = read_mesh(params.mesh);
   materials = params.materials.empty() ? Materials(params.material)
                                        : assign_materials(mesh, params.materials);

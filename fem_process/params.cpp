@@ -22,6 +22,16 @@ void check(const Params& params) {
   require(alpha >= -1.0 / 3.0 && alpha <= 0.0,
           "fem: HHT alpha " + std::to_string(alpha) +
               " must be between -1/3 (most damping) and 0 (none).");
+  const double rho = params.integrator.rho_infinity;
+  require(rho >= 0.0 && rho <= 1.0, "fem: rho_infinity " + std::to_string(rho) +
+                                        " must be between 0 (most damping) and 1 (none).");
+  const double beta = params.integrator.newmark_beta;
+  const double gamma = params.integrator.newmark_gamma;
+  require(beta > 0.0 && beta <= 1.0,
+          "fem: newmark_beta " + std::to_string(beta) + " must be above 0 and at most 1.");
+  require(gamma >= 0.5 && gamma <= 1.0, "fem: newmark_gamma " + std::to_string(gamma) +
+                                            " must be between 0.5 (no damping) and 1; below 0.5 "
+                                            "motions grow.");
   require(params.integrator.newton_steps >= 0, "fem: newton_steps must not be negative.");
   require(params.integrator.newton_tolerance > 0.0 && params.integrator.newton_tolerance < 1.0,
           "fem: newton_tolerance must be above 0 and below 1.");

@@ -29,12 +29,16 @@ struct Damping {
   double beta_s = 0.0;
 };
 
-enum class IntegratorKind { BackwardEuler, Hht };
+enum class IntegratorKind { BackwardEuler, Hht, GeneralisedAlpha, Newmark, QuasiStatic };
 
 struct IntegratorParams {
   IntegratorKind kind = IntegratorKind::BackwardEuler;
-  double hht_alpha = -0.05;        ///< in [−1/3, 0]; 0 is the trapezoidal rule
-  int newton_steps = 0;            ///< 0: the single linearised step of [Marinkovic & Zehn 2012]
+  double hht_alpha = -0.05;    ///< in [−1/3, 0]; 0 is the trapezoidal rule
+  double rho_infinity = 0.9;   ///< generalised-α, in [0, 1]; 1 damps nothing
+  double newmark_beta = 0.25;  ///< with γ = ½: average acceleration
+  double newmark_gamma = 0.5;
+  /// 0: the single linearised step of [Marinkovic & Zehn 2012], or 100 with QuasiStatic.
+  int newton_steps = 0;
   double newton_tolerance = 1e-8;  ///< residual relative to the largest kind of force
 };
 

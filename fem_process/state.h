@@ -13,9 +13,10 @@ namespace tandem::fem {
 /// Backward Euler needs x and v alone; the other vectors are then empty.
 struct State {
   SimTime time{};
-  Eigen::VectorXd x;       ///< positions (m)
-  Eigen::VectorXd v;       ///< velocities (m/s)
-  Eigen::VectorXd a;       ///< accelerations (m/s²), at t + α h
+  Eigen::VectorXd x;  ///< positions (m)
+  Eigen::VectorXd v;  ///< velocities (m/s)
+  Eigen::VectorXd a;  ///< Newmark's accelerations (m/s²), at t + α h or t + (α_m − α_f) h
+  Eigen::VectorXd acceleration;  ///< of the balance of forces at t (m/s²), where it is not a
   Eigen::VectorXd a_mean;  ///< (v − v_previous)/h of the last step: prescribed nodes' history
   Eigen::VectorXd force;   ///< C v + f_int − f_ext (N)
   Eigen::VectorXd react;   ///< nodal reactions (N), zero at free nodes
@@ -32,7 +33,7 @@ struct State {
   [[nodiscard]] std::uint64_t hash() const {
     StateHash hash;
     hash.add(static_cast<std::int64_t>(time.count()));
-    for (const Eigen::VectorXd* values : {&x, &v, &a, &a_mean, &force, &react}) {
+    for (const Eigen::VectorXd* values : {&x, &v, &a, &acceleration, &a_mean, &force, &react}) {
       hash.add(std::span<const double>(values->data(), static_cast<std::size_t>(values->size())));
     }
     if (past.size() > 0) {

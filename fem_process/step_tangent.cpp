@@ -1,6 +1,8 @@
 #include "fem_process/step_tangent.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "fem_process/node_vectors.h"
@@ -60,8 +62,10 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
   const bool started = direction.begin.x.size() > 0;
   if (started) {
     direction.map = model_.integrator->map(direction.begin, kept.h_s);
-    const Eigen::VectorXd y = model_.params.damping.beta_s * result.state.v + result.d;
-    direction.turning = model_.formulation->derivative(map.x_tilde, y, direction.map.x_tilde);
+    if (!kept.iterated) {
+      const Eigen::VectorXd y = model_.params.damping.beta_s * result.state.v + result.d;
+      direction.turning = model_.formulation->derivative(map.x_tilde, y, direction.map.x_tilde);
+    }
   }
   direction.dd = started ? direction.map.d_hat : Eigen::VectorXd::Zero(n);
   direction.da = started ? direction.map.a_hat : Eigen::VectorXd::Zero(n);
@@ -78,6 +82,7 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
     direction.dv.segment<3>(at) =
         change.segment<3>(6) + change.segment<3>(9).cross(r) + end.value[p].w_WP.cross(turn);
   }
+  if (!model_.integrator->inertia()) direction.dv.setZero();
   for (int node : model_.prescribed) {
     const Eigen::Index at = 3 * node;
     Eigen::Vector3d da = map.c_a_prescribed * direction.dv.segment<3>(at);
@@ -97,12 +102,23 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
   direction.moves = started || direction.dv.squaredNorm() + direction.dd.squaredNorm() > 0.0;
 }
 
-/// Derivative of r = C v + f_int − f_ext.
-Eigen::VectorXd StepTangent::force(const Direction& direction, const Linearisation& kept,
-                                   ProductPart part) const {
+/// Derivative of r = C v + f_int − f_ext: of its linearisation at x̃ or, where the step is iterated
+/// to equilibrium, of r itself at x⁺.
+Eigen::VectorXd StepTangent::force(const Direction& direction, const TransientStep::Result& result,
+                                   const Linearisation& kept, ProductPart part) const {
   const Damping& damping = model_.params.damping;
-  Eigen::VectorXd change =
-      multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv + direction.dd, part);
+  Eigen::VectorXd change;
+  if (kept.iterated) {
+    Eigen::VectorXd dx = direction.dd;
+    if (direction.begin.x.size() > 0) dx += direction.map.x_tilde;
+    change = model_.formulation->derivative(kept.map.x_tilde + result.d,
+                                            damping.beta_s * result.state.v, dx);
+    if (damping.beta_s > 0.0) {
+      change += multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv, part);
+    }
+  } else {
+    change = multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv + direction.dd, part);
+  }
   if (damping.alpha_per_s > 0.0) {
     change +=
         damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, direction.dv, part);
@@ -125,10 +141,10 @@ Eigen::VectorXd StepTangent::residual(const Direction& direction, const Eigen::V
 ///   df = −Σ dg,   dt = −Σ r × dg − Σ (δθ × r) × g
 void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result& result,
                          const Linearisation& kept, Eigen::Index column, Direction& direction) {
-  // Without history the reactions alone are needed.
+  // Where no later step needs the forces, the reactions alone are needed.
   ProductPart part;
-  if (!model_.integrator->keeps_history()) part.rows = &model_.prescribed;
-  Eigen::VectorXd d_force = force(direction, kept, part);
+  if (!model_.integrator->averages_forces()) part.rows = &model_.prescribed;
+  Eigen::VectorXd d_force = force(direction, result, kept, part);
   Eigen::VectorXd d_react = residual(direction, d_force, kept, part);
   if (direction.begin.react.size() > 0) {
     d_react -= (1.0 - kept.map.theta) * direction.begin.react;
@@ -153,14 +169,70 @@ void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result
     }
   }
   if (model_.integrator->keeps_history()) {
-    after.a_mean = direction.dv / kept.h_s;
-    if (direction.begin.v.size() > 0) after.a_mean -= direction.begin.v / kept.h_s;
-    after.a = direction.da;
+    if (direction.begin.x.size() == 0) {
+      const Eigen::VectorXd zero = Eigen::VectorXd::Zero(after.x.size());
+      direction.begin.v = direction.begin.a = zero;
+    }
+    model_.integrator->keep(direction.begin, direction.dv, direction.da, kept.h_s, after);
+  }
+  if (model_.integrator->averages_forces()) {
     after.force = std::move(d_force);
     after.react = std::move(d_react);
   }
   after.v = direction.dv;
   direction.begin = std::move(after);
+}
+
+/// Corrects dv of the moving directions to the derivative of the balance of forces. Once with the
+/// step's own matrix; where the step is iterated, that matrix leaves out what K does, and the
+/// correction is repeated until nothing is left, as the iteration of the step itself.
+SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
+                               const TransientStep::Result& result, const Linearisation& kept) {
+  const SolverParams& params = model_.params.solver;
+  const double limit =
+      params.kind == SolverKind::Pcg ? std::max(1e-10, 2.0 * params.tolerance) : 1e-10;
+  const int most = kept.iterated ? 100 : 1;
+  const auto count = static_cast<Eigen::Index>(moving.size());
+  Eigen::MatrixXd delta(3 * static_cast<Eigen::Index>(model_.free.size()), count);
+  Eigen::VectorXd norms(count);
+  SolveReport total;
+  for (int round = 0; round < most; ++round) {
+    bool done = round > 0;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Eigen::Index column = moving[static_cast<std::size_t>(k)];
+      const Direction& direction = directions_[static_cast<std::size_t>(column)];
+      // In the first micro step nothing but the port moves yet.
+      ProductPart part;
+      if (round == 0 && direction.begin.x.size() == 0) {
+        part.columns = &model_.ports[static_cast<std::size_t>(column / 12)].nodes;
+      }
+      const Eigen::VectorXd change = force(direction, result, kept, part);
+      delta.col(k) = -gather(residual(direction, change, kept, part), model_.free);
+      if (round == 0) norms(k) = delta.col(k).norm();
+      done = done && delta.col(k).norm() <= limit * norms(k);
+    }
+    if (done) return total;
+    const SolveReport report = kept.solver->solve(delta, norms);
+    total.iterations += report.iterations;
+    total.outcome = std::max(total.outcome, report.outcome);
+    if (total.message.empty()) total.message = report.message;
+    if (report.outcome == Outcome::Failed) return total;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      Direction& direction =
+          directions_[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])];
+      const Eigen::VectorXd column = delta.col(k);
+      scatter_add(column, model_.free, direction.dv);
+      scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
+      scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
+    }
+  }
+  if (kept.iterated) {
+    total.outcome = std::max(total.outcome, Outcome::NotConverged);
+    total.message = "the interface Jacobian has not converged in " + std::to_string(most) +
+                    " solves. Choose fem.formulation corotational_consistent, or shorten "
+                    "fem.micro_step_s.";
+  }
+  return total;
 }
 
 SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
@@ -169,34 +241,16 @@ SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
   directions_.resize(static_cast<std::size_t>(columns));
   jacobian_.setZero(columns / 2, columns);
   std::vector<Eigen::Index> moving;
-  Eigen::MatrixXd delta(3 * static_cast<Eigen::Index>(model_.free.size()), columns);
-  Eigen::VectorXd norms(columns);
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];
     prescribe(end, result, kept, c, direction);
-    if (!direction.moves) continue;
-    const auto k = static_cast<Eigen::Index>(moving.size());
-    // In the first micro step nothing but the port moves yet.
-    ProductPart part;
-    if (direction.begin.x.size() == 0) {
-      part.columns = &model_.ports[static_cast<std::size_t>(c / 12)].nodes;
-    }
-    delta.col(k) =
-        -gather(residual(direction, force(direction, kept, part), kept, part), model_.free);
-    norms(k) = delta.col(k).norm();
-    moving.push_back(c);
+    if (direction.moves) moving.push_back(c);
   }
-  delta.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(moving.size()));
   if (moving.empty()) return {};
-  const SolveReport report = kept.solver->solve(delta, norms);
+  const SolveReport report = solve(moving, result, kept);
   if (report.outcome == Outcome::Failed) return report;
-  for (std::size_t k = 0; k < moving.size(); ++k) {
-    Direction& direction = directions_[static_cast<std::size_t>(moving[k])];
-    const Eigen::VectorXd column = delta.col(static_cast<Eigen::Index>(k));
-    scatter_add(column, model_.free, direction.dv);
-    scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
-    scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
-    finish(torque_pose, result, kept, moving[k], direction);
+  for (Eigen::Index column : moving) {
+    finish(torque_pose, result, kept, column, directions_[static_cast<std::size_t>(column)]);
   }
   return report;
 }

@@ -20,7 +20,9 @@ using MotionDerivative = std::vector<Eigen::Matrix<double, 12, 12>>;
 /// Exact derivative of a macro step's wrenches with respect to the motions at its end: carries the
 /// derivatives of the whole state through the micro steps. Every direction costs one solve with the
 /// micro step's factorisation; from the second micro step on also the directional derivative of the
-/// internal forces, since the linearisation points then depend on the input.
+/// internal forces, since the linearisation points then depend on the input. Where the step is
+/// iterated to equilibrium the derivative is that of the equilibrium, and the solves are repeated
+/// until the part that the step matrix leaves out is in: once for an exact tangent.
 class StepTangent {
  public:
   /// At the start of a macro step the state does not depend on its input. References are kept.
@@ -52,10 +54,13 @@ class StepTangent {
   };
   void prescribe(const Motions& end, const TransientStep::Result& result, const Linearisation& kept,
                  Eigen::Index column, Direction& direction) const;
-  [[nodiscard]] Eigen::VectorXd force(const Direction& direction, const Linearisation& kept,
-                                      ProductPart part) const;
+  [[nodiscard]] Eigen::VectorXd force(const Direction& direction,
+                                      const TransientStep::Result& result,
+                                      const Linearisation& kept, ProductPart part) const;
   [[nodiscard]] Eigen::VectorXd residual(const Direction& direction, const Eigen::VectorXd& force,
                                          const Linearisation& kept, ProductPart part) const;
+  SolveReport solve(const std::vector<Eigen::Index>& moving, const TransientStep::Result& result,
+                    const Linearisation& kept);
   void finish(const Motions& torque_pose, const TransientStep::Result& result,
               const Linearisation& kept, Eigen::Index column, Direction& direction);
 

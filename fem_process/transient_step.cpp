@@ -120,6 +120,7 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   state.x = model_.reference();
   state.v = model_.initial_velocities();
   prescribe(motions, state.x, state.v);
+  if (!model_.integrator->inertia()) return settle(motions, state, wrenches);
   if (remembers()) {
     state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
     remember(state.v, state);
@@ -150,13 +151,35 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   Eigen::VectorXd react = multiply_scalar(model_.pattern(), model_.mass, a) + force;
   for (int node : model_.free) react.segment<3>(3 * node).setZero();
   wrenches = port_wrenches(model_, arms_, motions, react);
-  if (model_.integrator->keeps_history()) {
-    state.a_mean = a;
-    state.a = std::move(a);
+  if (model_.integrator->keeps_history()) state.a_mean = state.a = a;
+  if (model_.integrator->averages_forces()) {
     state.force = force;
     state.react = std::move(react);
+  } else if (model_.integrator->keeps_history()) {
+    state.acceleration = std::move(a);
   }
   return report;
+}
+
+/// A step that ends at t = 0.
+SolveReport TransientStep::settle(const MotionSet& motions, State& state,
+                                  WrenchSet& wrenches) const {
+  const SimTime h = model_.params.micro_step;
+  State before = state;
+  before.time = -h;
+  before.generation = 1;  // any but 0: nothing is kept yet
+  before.v.setZero();
+  if (remembers()) before.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
+  Linearisation kept;
+  Result result = advance(before, motions, motions, h, kept);
+  if (result.report.outcome == Outcome::Failed) return result.report;
+  result.state.external_work_J = 0.0;
+  state.x = result.state.x;
+  for (int node : model_.free) state.v.segment<3>(3 * node).setZero();
+  result.state.v = std::move(state.v);
+  state = std::move(result.state);
+  wrenches = std::move(result.wrenches);
+  return result.report;
 }
 
 StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation& kept) const {
@@ -231,17 +254,18 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   scatter_add(map.c_x * delta.col(0), model_.free, d);
   scatter_add(map.c_a * delta.col(0), model_.free, a);
 
-  // Without history the reactions alone are needed.
+  // Where no later step needs the forces, the reactions alone are needed.
   ProductPart part;
-  if (!model_.integrator->keeps_history()) part.rows = &model_.prescribed;
+  if (!model_.integrator->averages_forces()) part.rows = &model_.prescribed;
   Balance balanced = balance(kept, begin, f_ext, v, d, a, part);
   result.react = std::move(balanced.residual);
   if (begin.react.size() > 0) result.react -= (1.0 - map.theta) * begin.react;
   result.react /= map.theta;
   for (int node : model_.free) result.react.segment<3>(3 * node).setZero();
   if (model_.integrator->keeps_history()) {
-    result.state.a_mean = (v - begin.v) / kept.h_s;
-    result.state.a = a;
+    model_.integrator->keep(begin, v, a, kept.h_s, result.state);
+  }
+  if (model_.integrator->averages_forces()) {
     result.state.force = std::move(balanced.force);
     result.state.react = result.react;
   }
@@ -256,6 +280,7 @@ void TransientStep::correct(const State& begin, const Eigen::VectorXd& f_ext, Li
   if (!kept.corrected) kept.corrected = std::make_unique<Linearisation>();
   Linearisation& again = *kept.corrected;
   again.h_s = kept.h_s;
+  again.iterated = true;
   SolveReport total = result.report;
   double residual = 0.0;
   double limit = 0.0;

@@ -33,7 +33,8 @@ struct Linearisation {
   std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
   BlockValues S;                         ///< interior step matrix (kg/s)
   SolveReport factorisation;
-  EightVectors S_past;  ///< S times the last velocities, when the initial guess is made of them
+  EightVectors S_past;    ///< S times the last velocities, when the initial guess is made of them
+  bool iterated = false;  ///< made at an iterate of Newton's, x̃ + d is an equilibrium
   /// With Newton steps: the same at the step's last iterate.
   std::unique_ptr<Linearisation> corrected;
   [[nodiscard]] const Linearisation& last() const { return corrected ? *corrected : *this; }
@@ -56,7 +57,7 @@ class TransientStep {
   /// State and wrenches at t = 0: free nodes with the initial velocity field, port nodes with the
   /// port's rigid velocity, accelerations from M_II a_I = (f_ext − f_int − C v)_I − M_Ip a_p with
   /// a_p = w × (w × r), i.e. ports at constant twist: the input says nothing about their
-  /// acceleration.
+  /// acceleration. Without inertia: the static equilibrium at t = 0.
   SolveReport start(const MotionSet& motions, State& state, WrenchSet& wrenches) const;
 
   struct Result {
@@ -80,6 +81,7 @@ class TransientStep {
     Eigen::VectorXd force;     ///< r = C v + f_int − f_ext (N)
     Eigen::VectorXd residual;  ///< M a + θ r + (1 − θ) r_n (N)
   };
+  SolveReport settle(const MotionSet& motions, State& state, WrenchSet& wrenches) const;
   /// Returns the times of what it did.
   StepTimes linearise(const State& begin, double h_s, Linearisation& kept) const;
   StepTimes linearise_at_tilde(Linearisation& kept) const;

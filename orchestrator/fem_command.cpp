@@ -57,6 +57,17 @@ fem::Params held_params(const scenario::Node& root) {
   return params;
 }
 
+/// The same with the moved sets as ports.
+fem::Params moved_params(const scenario::Node& root, const std::vector<fem::SetMotion>& motions) {
+  fem::Params params = held_params(root);
+  for (const fem::SetMotion& motion : motions) {
+    std::erase_if(params.fixed,
+                  [&](const fem::SetName& set) { return set.name == motion.set.name; });
+    params.ports.push_back({motion.set.name, motion.set, motion.about_m});
+  }
+  return params;
+}
+
 void book(const std::string& message, FemOutcome& outcome) {
   if (message.empty()) return;
   outcome.exit_code = 3;
@@ -113,13 +124,47 @@ FemOutcome run_modes(const scenario::Node& root, int count, const std::filesyste
   return outcome;
 }
 
-FemOutcome run_transient(const scenario::Node& root, const std::filesystem::path& folder) {
-  require(root.has("run"), root.place().text() +
-                               ": a transient analysis needs the section 'run'. Add run: "
+/// The motions of the moved sets over time.
+class SetMotions {
+ public:
+  SetMotions(const std::vector<fem::SetMotion>& motions, const fem::TetMesh& mesh, double step_s)
+      : motions_(motions), step_s_(step_s) {
+    for (const fem::SetMotion& motion : motions) origins_.push_back(fem::origin_of(motion, mesh));
+  }
+  [[nodiscard]] MotionSet at(double t_s) const {
+    MotionSet all;
+    for (std::size_t i = 0; i < motions_.size(); ++i) {
+      all.push_back(fem::motion_at(motions_[i], origins_[i], t_s, step_s_));
+    }
+    return all;
+  }
+  /// Appends the wrenches to `history`, by set.
+  void record(const WrenchSet& wrenches, ordered_json& history) const {
+    for (std::size_t i = 0; i < wrenches.size(); ++i) {
+      const std::string& set = motions_[i].set.name;
+      history["force_N"][set].push_back(to_json(wrenches[i].f_P_W));
+      history["torque_Nm"][set].push_back(to_json(wrenches[i].t_P_W));
+    }
+  }
+
+ private:
+  const std::vector<fem::SetMotion>& motions_;
+  double step_s_;
+  std::vector<Eigen::Vector3d> origins_;
+};
+
+/// Transient or quasi-static: states over time.
+FemOutcome run_history(const scenario::Node& root, const std::string& kind,
+                       const std::vector<fem::SetMotion>& motions,
+                       const std::filesystem::path& folder) {
+  require(root.has("run"), root.place().text() + ": a " + kind +
+                               " analysis needs the section 'run'. Add run: "
                                "{duration_s: …, macro_step_s: …}.");
-  fem::FlexibleBody body(held_params(root));
+  fem::Params params = moved_params(root, motions);
+  if (kind == "quasi_static") params.integrator.kind = fem::IntegratorKind::QuasiStatic;
+  fem::FlexibleBody body(std::move(params));
   const fem::Model& model = body.model();
-  FemOutcome outcome{.results = heading(root, model, "transient")};
+  FemOutcome outcome{.results = heading(root, model, kind)};
   std::optional<fem::VtuWriter> vtu;
   if (const std::int64_t every = scenario::read_output(root).vtu_every_steps; every > 0) {
     vtu.emplace(model, folder / "fem", "fem", every);
@@ -133,13 +178,19 @@ FemOutcome run_transient(const scenario::Node& root, const std::filesystem::path
     for (const auto& [set, mean] : sets.items()) history["displacement_m"][set].push_back(mean);
     if (vtu) vtu->write(body.state());
   };
-  body.initialize({});
-  record();
   const scenario::RunParams run = scenario::read_run(root);
+  const SetMotions moved(motions, model.mesh, to_seconds(model.params.micro_step));
+  moved.record(body.initialize(moved.at(0.0)), history);
+  record();
   for (std::int64_t step = 0; step < run.macro_steps(); ++step) {
-    const StepResult<WrenchSet> result = body.advance({.step = run.macro_step, .input = {}});
+    body.checkpoint();
+    const double t_s = to_seconds(body.state().time);
+    const StepResult<WrenchSet> result =
+        body.advance({.step = run.macro_step,
+                      .input = {moved.at(t_s), moved.at(t_s + to_seconds(run.macro_step))}});
     book(result.message, outcome);
     if (result.outcome != Outcome::Done) break;
+    moved.record(result.output, history);
     record();
   }
   std::printf("%lld steps to t = %g s: %s\n", static_cast<long long>(history["t_s"].size()) - 1,
@@ -178,24 +229,31 @@ FemOutcome run_fem(const scenario::Node& root, const std::string& analysis,
   const fem::AnalysisParams params = fem::read_analysis(root);
   const std::string& kind = analysis.empty() ? params.kind : analysis;
   if (kind == "modes") return run_modes(root, params.modes, folder);
-  if (kind == "transient") return run_transient(root, folder);
+  if (kind == "transient" || kind == "quasi_static") {
+    return run_history(root, kind, params.motions, folder);
+  }
   return run_static(root, params.statics, folder);
 }
 
 void add_fem(CLI::App& app, int& exit_code) {
   auto command = std::make_shared<FemCommand>();
-  CLI::App* sub = app.add_subcommand(
-      "fem", "Analyse the flexible side alone: static load steps, eigenfrequencies, transient");
+  CLI::App* sub =
+      app.add_subcommand("fem",
+                         "Analyse the flexible side alone: static load steps, statics over time, "
+                         "eigenfrequencies, transient");
   sub->add_option("SCENARIO", command->file, "Scenario file (YAML); run, ports, mbs may be absent")
       ->required();
-  sub->add_option("--analysis", command->analysis, "static, modes or transient [fem.analysis.kind]")
-      ->check(CLI::IsMember({"static", "modes", "transient"}));
+  sub->add_option("--analysis", command->analysis,
+                  "static, quasi_static, modes or transient [fem.analysis.kind]")
+      ->check(CLI::IsMember({"static", "quasi_static", "modes", "transient"}));
   sub->add_option("--out", command->out,
                   "Folder for fem.json and .vtu [runs/<scenario>/fem-<UTC time>]");
   sub->add_option("--set", command->sets, "Override one key: --set fem.formulation=linear")
       ->type_name("KEY=VALUE")
       ->take_all();
-  sub->footer("Port nodes and fixed sets are held. Exit code 3 when no equilibrium was found.");
+  sub->footer(
+      "Port nodes and fixed sets are held, fem.analysis.motions moves sets. Exit code 3 when no "
+      "equilibrium was found.");
   sub->callback([command, &exit_code] { exit_code = command->run(); });
 }
 

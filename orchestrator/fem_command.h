@@ -12,13 +12,16 @@ class App;
 
 namespace tandem::orchestrator {
 
-/// `tandem fem`: the flexible side alone. Port nodes and fixed sets stay where they are.
+/// `tandem fem`: the flexible side alone. Port nodes and fixed sets stay where they are but for
+/// those that fem.analysis.motions moves.
 void add_fem(CLI::App& app, int& exit_code);
 
 /// What `tandem fem` writes as fem.json: analysis, nodes, elements, formulation, status, and
 ///   static     load_steps: [{factor, iterations, …, displacement_m: {SET: mean [x, y, z]}}]
 ///   modes      frequencies_Hz
-///   transient  history: {t_s, displacement_m: {SET: [[x, y, z], …]}}
+///   transient, quasi_static
+///              history: {t_s, displacement_m: {SET: [[x, y, z], …]}}, and by moved set force_N and
+///              torque_Nm about its frame: what the body exerts there
 struct FemOutcome {
   int exit_code = 0;
   nlohmann::ordered_json results;

@@ -33,7 +33,11 @@ INSTANTIATE_TEST_SUITE_P(
                       std::tuple{IntegratorKind::Hht, SolverKind::Cholmod, 1},
                       std::tuple{IntegratorKind::BackwardEuler, SolverKind::Pcg, 1},
                       std::tuple{IntegratorKind::Hht, SolverKind::Cholmod, 2},
-                      std::tuple{IntegratorKind::BackwardEuler, SolverKind::Pcg, 2}));
+                      std::tuple{IntegratorKind::BackwardEuler, SolverKind::Pcg, 2},
+                      std::tuple{IntegratorKind::GeneralisedAlpha, SolverKind::Cholmod, 1},
+                      std::tuple{IntegratorKind::Newmark, SolverKind::Pcg, 1},
+                      std::tuple{IntegratorKind::QuasiStatic, SolverKind::Cholmod, 1},
+                      std::tuple{IntegratorKind::QuasiStatic, SolverKind::Pcg, 1}));
 
 // One body makes every macro step once, the other repeats each one three times, with other inputs
 // in between and with the Jacobian: state and wrenches must have the same bits.

@@ -156,6 +156,26 @@ TEST(FemOrder, HhtIsOfSecondOrder) {
   }
 }
 
+TEST(FemOrder, GeneralisedAlphaIsOfSecondOrder) {
+  for (double rho : {1.0, 0.9, 0.5, 0.0}) {
+    SCOPED_TRACE(rho);
+    Params params = driven_box();
+    params.integrator = {.kind = IntegratorKind::GeneralisedAlpha, .rho_infinity = rho};
+    expect_order(params, 2.0, 64);
+  }
+}
+
+// Average and linear acceleration; γ above ½ costs the second order.
+TEST(FemOrder, NewmarkIsOfSecondOrderForGammaOneHalfAndOfFirstAbove) {
+  Params params = driven_box();
+  params.integrator = {.kind = IntegratorKind::Newmark};
+  expect_order(params, 2.0, 64);
+  params.integrator.newmark_beta = 1.0 / 6.0;
+  expect_order(params, 2.0, 64);
+  params.integrator = {.kind = IntegratorKind::Newmark, .newmark_beta = 0.36, .newmark_gamma = 0.7};
+  expect_order(params, 1.0, 500);
+}
+
 // Several micro steps in one macro step see the port motion by interpolation, whose own error is of
 // fourth order: the order in the micro step stays.
 TEST(FemOrder, MicroStepsKeepTheOrder) {

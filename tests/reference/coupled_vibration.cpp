@@ -12,9 +12,13 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// The two masses at rest but for the stretching: v(X) = (2 X_x, 0, 0), bodies at ±0.5 m/s.
-CoupledPair stretched_pair(double h_s, double duration_s) {
+CoupledPair stretched_pair(double h_s, double duration_s,
+                           const std::string& integrator = "backward_euler",
+                           const std::string& formulation = "corotational") {
   return CoupledPair("two_masses/scenario.yaml",
-                     {{"run.duration_s", text_of(duration_s)},
+                     {{"fem.integrator.kind", integrator},
+                      {"fem.formulation", formulation},
+                      {"run.duration_s", text_of(duration_s)},
                       {"run.macro_step_s", text_of(h_s)},
                       {"mbs.bodies.left.velocity_m_per_s", "[-0.5, 0, 0]"},
                       {"mbs.bodies.left.angular_velocity_rad_per_s", "[0, 0, 0]"},
@@ -117,6 +121,31 @@ TEST(TwoMassesVibration, HasTheFrequencyOfTheAssembledEigenproblem) {
   const double rod_Hz =
       rod_between_masses_Hz(0.5 * 0.05 * 0.05 * 1000.0 / 2.0, std::sqrt(5e6 / 1000.0), 0.5);
   EXPECT_NEAR(simulated_Hz, rod_Hz, 0.03 * rod_Hz);
+}
+
+// A bar without inertia between two masses is a spring: ω² = k (1/m₁ + 1/m₂), k the stiffness that
+// the bar has against a small stretch. The step of the coupled pair, velocities from the force at
+// its end, is backward Euler's: the frequency is arctan(ω h)/(2π h). What is left is the
+// interpolation of the crossings, (ω h)²/24 of a step each.
+TEST(TwoMassesVibration, OfAQuasiStaticBarIsThatOfASpring) {
+  CoupledPair pair = stretched_pair(1e-3, 0.4, "quasi_static", "linear");
+  fem::FlexibleBody bar(pair.fem().model().params);
+  MotionSet rest(2);
+  for (std::size_t p = 0; p < 2; ++p) rest[p].p_WP = pair.mbs().params().bodies[p].p_WB;
+  bar.initialize(rest);
+  MotionSet stretched = rest;
+  stretched[1].p_WP.x() += 1e-4;
+  const SimTime h = bar.info().micro_step;
+  const auto result = bar.advance({.step = h, .input = {rest, stretched}});
+  ASSERT_EQ(result.outcome, Outcome::Done) << result.message;
+  const double k = -result.output[1].f_P_W.x() / 1e-4;
+  // Ends that cannot contract sideways stiffen the bar by a few percent.
+  EXPECT_NEAR(k, 5e6 * 0.05 * 0.05 / 0.5, 0.05 * k);
+  const double inverse_mass =
+      1.0 / pair.mbs().params().bodies[0].mass_kg + 1.0 / pair.mbs().params().bodies[1].mass_kg;
+  const double h_s = to_seconds(h);
+  const double spring_Hz = std::atan(std::sqrt(k * inverse_mass) * h_s) / (kTurn * h_s);
+  EXPECT_NEAR(simulated_frequency_Hz(pair), spring_Hz, 1e-3 * spring_Hz);
 }
 
 }  // namespace

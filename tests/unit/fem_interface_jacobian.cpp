@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <tuple>
 
 #include "tests/support/fem_support.h"
 
@@ -113,6 +114,57 @@ TEST(FemInterfaceJacobian, MatchesCentralDifferencesOverHhtMicroSteps) {
   params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
   EXPECT_LT(jacobian_error(params, 3, 1e-4), 1e-6);
 }
+
+IntegratorParams newmark() { return {.kind = IntegratorKind::Newmark}; }
+IntegratorParams generalised_alpha() {
+  return {.kind = IntegratorKind::GeneralisedAlpha, .rho_infinity = 0.6};
+}
+
+TEST(FemInterfaceJacobian, MatchesCentralDifferencesForGeneralisedAlphaAndNewmark) {
+  for (const IntegratorParams& integrator : {newmark(), generalised_alpha()}) {
+    Params params = bar_with_two_ports();
+    params.integrator = integrator;
+    params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
+    EXPECT_LT(jacobian_error(params, 1, 1e-3), 1e-6);
+    EXPECT_LT(jacobian_error(params, 3, 1e-4), 1e-6);
+  }
+}
+
+// Iterated to equilibrium: the derivative is that of the equilibrium, whatever tangent found it.
+// The wrench is nonlinear in the displacements: 1e-5 (m, rad) on elements of 2e-2 m leaves the
+// square of their ratio, and so does 1e-4 (m/s) over 1e-3 s with backward Euler, which takes
+// displacements from velocities; the differences divide the round-off of the equilibrium, 1e-13 of
+// the forces, by that amount.
+class FemIteratedJacobian
+    : public ::testing::TestWithParam<std::tuple<FormulationKind, IntegratorParams, int>> {};
+
+TEST_P(FemIteratedJacobian, MatchesCentralDifferences) {
+  const auto& [formulation, integrator, micro_steps] = GetParam();
+  Params params = bar_with_two_ports();
+  params.formulation = formulation;
+  params.integrator = integrator;
+  params.integrator.newton_steps = 50;
+  params.integrator.newton_tolerance = 1e-12;
+  params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
+  const bool from_velocities = integrator.kind == IntegratorKind::BackwardEuler;
+  EXPECT_LT(jacobian_error(params, micro_steps, from_velocities ? 1e-4 : 1e-5), 2e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, FemIteratedJacobian,
+    ::testing::Values(std::tuple{FormulationKind::Linear, newmark(), 1},
+                      std::tuple{FormulationKind::Corotational, IntegratorParams{}, 1},
+                      std::tuple{FormulationKind::Corotational, IntegratorParams{}, 3},
+                      std::tuple{FormulationKind::Corotational, generalised_alpha(), 3},
+                      std::tuple{FormulationKind::ConsistentCorotational, newmark(), 1},
+                      std::tuple{FormulationKind::ConsistentCorotational,
+                                 IntegratorParams{.kind = IntegratorKind::Hht, .hht_alpha = -0.1},
+                                 3},
+                      std::tuple{FormulationKind::TotalLagrangian, generalised_alpha(), 3},
+                      std::tuple{FormulationKind::Corotational,
+                                 IntegratorParams{.kind = IntegratorKind::QuasiStatic}, 1},
+                      std::tuple{FormulationKind::TotalLagrangian,
+                                 IntegratorParams{.kind = IntegratorKind::QuasiStatic}, 3}));
 
 // Backward Euler takes port displacements from velocities: the port's position has no influence.
 TEST(FemInterfaceJacobian, HasNoPositionColumnsForBackwardEuler) {

@@ -42,5 +42,55 @@ TEST_P(FemMomentum, WrenchImpulseIsMomentumChangeToRoundOff) {
   }
 }
 
+/// Σ_j m_j u_j over some nodes, m_j the row sums of M (kg).
+Eigen::Vector3d weighted(const Model& model, const std::vector<int>& nodes,
+                         const Eigen::VectorXd& u) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int node : nodes) {
+    sum += model.nodal_mass[static_cast<std::size_t>(node)] * u.segment<3>(3 * node);
+  }
+  return sum;
+}
+
+// Generalised-α: the sums of a, q and ā over the steps differ from each other by their values at
+// the first and the last time alone, so
+//   h Σ f_P_W = h Σ f_ext − ΔP − E,   E = h Σ_free m ((1 − γ − α_m) (a_N − a_0) + α_f (q_N − q_0))
+//                                       + h Σ_prescribed m ½ (ā_N − ā_0):
+// the defect E does not grow with the number of steps. Round-off as above.
+TEST(FemMomentum, ImpulseDefectOfGeneralisedAlphaIsThatOfTheFirstAndLastTime) {
+  const double rho = 0.7;
+  Params params = bar_with_two_ports();
+  params.gravity_m_per_s2 = {0.5, -1.0, -9.81};
+  params.damping.beta_s = 1e-3;
+  params.integrator = {.kind = IntegratorKind::GeneralisedAlpha, .rho_infinity = rho};
+  FlexibleBody body(params);
+  body.initialize(pair_motion(0.0));
+  const Model& model = body.model();
+  const State first = body.state();
+  const double h = 1e-3;
+  double mass = 0.0;
+  for (double m : model.nodal_mass) mass += m;
+  const double alpha_m = (2 * rho - 1) / (rho + 1);
+  const double alpha_f = rho / (rho + 1);
+  const double gamma = 0.5 - alpha_m + alpha_f;
+  const Eigen::Vector3d begin = linear_momentum(body);
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+  for (int k = 1; k <= 100; ++k) {
+    const auto result =
+        body.advance(request(pair_motion((k - 1) * h), pair_motion(k * h), SimTime(1'000'000)));
+    ASSERT_EQ(result.outcome, Outcome::Done) << result.message;
+    impulse += h * (result.output[0].f_P_W + result.output[1].f_P_W);
+    const State& last = body.state();
+    const Eigen::Vector3d defect =
+        h * weighted(model, model.free,
+                     (1 - gamma - alpha_m) * (last.a - first.a) +
+                         alpha_f * (last.acceleration - first.acceleration)) +
+        h * weighted(model, model.prescribed, 0.5 * (last.a_mean - first.a_mean));
+    const Eigen::Vector3d expected =
+        k * h * mass * params.gravity_m_per_s2 - (linear_momentum(body) - begin) - defect;
+    EXPECT_LT((impulse - expected).norm(), 1e-11) << "step " << k;
+  }
+}
+
 }  // namespace
 }  // namespace tandem::fem

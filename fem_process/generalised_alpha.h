@@ -1,0 +1,45 @@
+#pragma once
+
+#include "fem_process/integrator.h"
+
+namespace tandem::fem {
+
+/// Generalised-α [Chung & Hulbert 1993] and, with α_m = α_f = 0, Newmark's method:
+///   x⁺ = x + h v + h² ((½ − β) a + β a⁺),   v⁺ = v + h ((1 − γ) a + γ a⁺),
+///   (1 − α_m) a⁺ + α_m a = (1 − α_f) q⁺ + α_f q,   M q⁺ + r⁺ = reaction.
+/// a is Newmark's acceleration (it belongs to t + (α_m − α_f) h), q the acceleration of the balance
+/// of forces at t. Where the balance holds at every t this is Chung and Hulbert's weighted balance
+///   M ((1 − α_m) a⁺ + α_m a) + (1 − α_f) r⁺ + α_f r = 0;
+/// written so, the reactions of prescribed nodes are those of the end of the step and no recursion
+/// of weighted reactions is needed [Arnold & Brüls 2007].
+/// Solved for v⁺, linearised at x̃ = x + h v as HHT is. Prescribed nodes: q⁺ = ā + ½ (ā − ā_n) with
+/// ā = (v⁺ − v)/h, second order, which forgets jumps of the prescribed velocity after two steps.
+/// Impulse: the sum of h times the wrenches differs from the change of momentum by terms of the
+/// first and the last two steps alone; it does not grow.
+class GeneralisedAlpha final : public Integrator {
+ public:
+  struct Weights {
+    double alpha_m = 0.0;
+    double alpha_f = 0.0;
+    double beta = 0.25;
+    double gamma = 0.5;
+  };
+  /// Weights of second order, with the least damping of slow motion for the spectral radius
+  /// ρ∞ in [0, 1] of infinitely fast ones:
+  ///   α_m = (2 ρ∞ − 1)/(ρ∞ + 1),  α_f = ρ∞/(ρ∞ + 1),
+  ///   γ = ½ − α_m + α_f,  β = (1 − α_m + α_f)²/4.
+  [[nodiscard]] static Weights weights_of(double rho_infinity);
+
+  explicit GeneralisedAlpha(const Weights& weights) : weights_(weights) {}
+  [[nodiscard]] StepMap map(const State& state, double h_s) const override;
+  void keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a, double h_s,
+            State& after) const override;
+  [[nodiscard]] bool keeps_history() const override { return true; }
+  [[nodiscard]] bool averages_forces() const override { return false; }
+  [[nodiscard]] bool torque_arms_at_begin() const override { return false; }
+
+ private:
+  Weights weights_;
+};
+
+}  // namespace tandem::fem
