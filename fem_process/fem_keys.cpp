@@ -43,6 +43,11 @@ Key mesh_key() {
           .of_unit_length()
           .by_default("[1, 0, 0, 0]")
           .doc_is("Rotation from the mesh file's axes to world axes at t = 0 as a quaternion."),
+      scenario::text("checksum")
+          .doc_is("Fingerprint of the mesh file (16 hexadecimal digits). A run writes it into its "
+                  "resolved "
+                  "scenario, so that a replay with another mesh is refused; no need to write it by "
+                  "hand."),
   };
   return scenario::section("mesh", std::move(mesh)).must().doc_is("The mesh and its placement.");
 }
@@ -211,7 +216,8 @@ MeshParams read_mesh_params(const Node& node) {
           .length_scale_m = node.real("length_scale_m"),
           .order = node.has("order") ? static_cast<int>(node.integer("order")) : 0,
           .position_m = node.vector3("position_m"),
-          .orientation = node.quaternion_wxyz("orientation_wxyz")};
+          .orientation = node.quaternion_wxyz("orientation_wxyz"),
+          .checksum = node.has("checksum") ? node.text("checksum") : ""};
 }
 
 IntegratorParams read_integrator(const Node& node) {

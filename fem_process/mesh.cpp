@@ -1,12 +1,18 @@
 #include "fem_process/mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
 
 #include "fem_process/raw_mesh.h"
 #include "fem_process/tet10.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/hash.h"
 
 namespace tandem::fem {
 namespace {
@@ -179,6 +185,25 @@ std::vector<int> TetMesh::element(std::size_t e) const {
   return nodes;
 }
 
+std::string mesh_checksum(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return {};
+  StateHash hash;
+  std::array<char, 1 << 16> buffer;
+  while (stream.read(buffer.data(), buffer.size()), stream.gcount() > 0) {
+    const auto bytes = static_cast<std::size_t>(stream.gcount());
+    for (std::size_t at = 0; at < bytes; at += sizeof(std::uint64_t)) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, buffer.data() + at, std::min(sizeof word, bytes - at));
+      hash.add(word);
+    }
+    hash.add(static_cast<std::uint64_t>(bytes));
+  }
+  std::ostringstream text;
+  text << std::hex << std::setw(16) << std::setfill('0') << hash.value();
+  return text.str();
+}
+
 TetMesh read_mesh(const MeshParams& params) {
   require(params.length_scale_m > 0.0 && std::isfinite(params.length_scale_m),
           "fem: mesh length scale " + std::to_string(params.length_scale_m) +
@@ -187,6 +212,12 @@ TetMesh read_mesh(const MeshParams& params) {
   require(extension == ".msh" || extension == ".inp",
           params.file.string() + ": unknown kind of mesh file '" + extension +
               "'. Give a Gmsh .msh (4.1 ASCII) or an Abaqus .inp.");
+  require(params.checksum.empty() || params.checksum == mesh_checksum(params.file),
+          params.file.string() +
+              ": the mesh is not the one this scenario was run with: its checksum "
+              "is " +
+              mesh_checksum(params.file) + ", fem.mesh.checksum says " + params.checksum +
+              ". Bring that mesh back, or remove the key to run with this one.");
   RawMesh raw = extension == ".msh" ? read_msh(params.file) : read_inp(params.file);
   require(params.order != 1 || !raw.second_order(),
           params.file.string() +

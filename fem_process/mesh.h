@@ -58,6 +58,7 @@ struct MeshParams {
   int order = 0;                ///< of the elements: 1, 2, or 0 = as the file has them
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  std::string checksum;  ///< see mesh_checksum; empty = not compared
 };
 
 /// A node set's name and where the scenario mentions it.
@@ -65,6 +66,10 @@ struct SetName {
   std::string name;
   scenario::Place place{};
 };
+
+/// Fingerprint of a mesh file's bytes (FNV-1a, 16 hexadecimal digits); empty when it cannot be
+/// read, which reading the mesh tells better.
+[[nodiscard]] std::string mesh_checksum(const std::filesystem::path& file);
 
 /// Reads a Gmsh .msh (4.1 ASCII) or an Abaqus .inp, by extension, and places it; order 2 raises
 /// first-order tets by raise_to_second_order(). Throws a Usage error "file:line: what. Remedy.".

@@ -1,14 +1,32 @@
 #include "orchestrator/model.h"
 
 #include "fem_process/make_side.h"
+#include "fem_process/mesh.h"
 #include "mbs_process/make_side.h"
 #include "orchestrator/scenario_table.h"
 
 namespace tandem::orchestrator {
 
+namespace {
+
+/// Also with the mesh's fingerprint, so that a run folder tells which mesh it is about.
+scenario::Loaded load_with_checksum(const std::filesystem::path& file,
+                                    std::vector<scenario::Override> overrides) {
+  scenario::Loaded loaded = scenario::load(file, scenario_table(), overrides);
+  const scenario::Node fem = loaded.root.section("fem");
+  if (!fem.has("mesh") || fem.section("mesh").has("checksum")) return loaded;
+  const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));
+  if (checksum.empty()) return loaded;
+  // In quotes: digits alone would be a number.
+  overrides.push_back({"fem.mesh.checksum", "'" + checksum + "'"});
+  return scenario::load(file, scenario_table(), overrides);
+}
+
+}  // namespace
+
 Model load_model(const std::filesystem::path& file,
                  const std::vector<scenario::Override>& overrides) {
-  Model model{.scenario = scenario::load(file, scenario_table(), overrides)};
+  Model model{.scenario = load_with_checksum(file, overrides)};
   const scenario::Node& root = model.scenario.root;
   model.name = root.text("name");
   model.run = scenario::read_run(root);
