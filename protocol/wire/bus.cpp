@@ -13,6 +13,9 @@
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
 #include "protocol/wire/chunks.h"
+#include "protocol/wire/lcm_receiver.h"
+#include "protocol/wire/loopback_route.h"
+#include "protocol/wire/multicast_socket.h"
 
 namespace tandem::wire {
 namespace {
@@ -26,20 +29,37 @@ struct LcmDestroy {
 struct Bus::State {
   explicit State(const BusOptions& given)
       : options(given),
-        prefix(fmt::format("TANDEM_{:016x}_", given.run_id)),
-        socket(given.port, given.receive_buffer_bytes) {}
+        filter{.prefix = fmt::format("TANDEM_{:016x}_", given.run_id), .channels = {}} {
+    const ReceiverOptions listening{given.port, given.ttl, given.receive_buffer_bytes};
+    if (given.receive == Receive::Lcm) {
+      receiver = std::make_unique<LcmReceiver>(listening);
+    } else {
+      auto own = std::make_unique<MulticastSocket>(listening);
+      socket = own.get();
+      receiver = std::move(own);
+    }
+    for (std::size_t topic = 0; topic < kProcesses; ++topic) {
+      for (std::size_t kind = 0; kind < kKinds; ++kind) {
+        channels[topic][kind] = filter.prefix + text_of(static_cast<Process>(topic)) + "_" +
+                                text_of(static_cast<Kind>(kind));
+      }
+    }
+  }
 
-  std::string channel(Process topic, Kind kind) const {
-    return prefix + text_of(topic) + "_" + text_of(kind);
+  [[nodiscard]] const std::string& channel(Process topic, Kind kind) const {
+    return channels[static_cast<std::size_t>(topic)][static_cast<std::size_t>(kind)];
   }
   void send(const std::string& channel, const Bytes& message);
   void handle(const Datagram& incoming);
-  void handle_chunk(const Header& header, std::string_view channel, ByteView message);
+  void handle_chunk(std::string_view channel, ByteView message);
   void dispatch(const Header& header, std::string_view channel, ByteView message);
 
   BusOptions options;
-  std::string prefix;
-  MulticastSocket socket;
+  ChannelFilter filter;
+  std::array<std::array<std::string, kKinds>, kProcesses> channels;
+  std::unique_ptr<Receiver> receiver;
+  MulticastSocket* socket = nullptr;  // the receiver, when it can filter
+  LoopbackRoute loopback;
   std::unique_ptr<lcm_t, LcmDestroy> lcm;  // publishes only: no thread, no self test of its own
   std::map<std::string, Handler, std::less<>> handlers;
   Assembler assembler;
@@ -65,6 +85,7 @@ Bus::Bus(const BusOptions& options) : state_(std::make_unique<State>(options)) {
   const std::string url = fmt::format("udpm://{}:{}?ttl={}", kGroup, options.port, options.ttl);
   state_->lcm.reset(lcm_create(url.c_str()));
   require(state_->lcm != nullptr, fmt::format("wire: liblcm cannot open {}", url));
+  if (options.ttl == 0) state_->loopback.apply();
   self_test();
 }
 
@@ -78,8 +99,8 @@ void Bus::self_test() {
       subscribe(state_->options.self, Kind::SelfTest, [&](const Header& header, ByteView) {
         if (header.sequence != nonce || heard) return;
         heard = true;
-        const Datagram& own = state_->datagram;
-        state_->socket.ignore_sender(own.from_address, own.from_port);
+        state_->filter.own_address = state_->datagram.from_address;
+        state_->filter.own_port = state_->datagram.from_port;
       });
   const double end_s = now_s() + state_->options.self_test_s;
   double send_s = 0.0;
@@ -102,6 +123,14 @@ void Bus::self_test() {
     }
     pump(0.05);
   }
+}
+
+void Bus::narrow() {
+  if (state_->socket == nullptr) return;
+  state_->filter.channels.clear();
+  for (const auto& [channel, handler] : state_->handlers)
+    state_->filter.channels.push_back(channel);
+  state_->socket->attach(state_->filter);
 }
 
 Header Bus::header(Kind kind, std::int64_t sequence) const {
@@ -139,7 +168,7 @@ Sent Bus::publish(Process topic, Kind kind, Bytes& message, std::int32_t attempt
   seal(message, 0);
   Sent sent;
   for (const Bytes& part : cut(message, attempt)) {
-    state_->send(state_->channel(topic, Kind::Chunk), part);
+    state_->send(state_->channel(topic, kind), part);
     ++sent.messages;
     sent.bytes += static_cast<std::int64_t>(part.size());
   }
@@ -147,27 +176,27 @@ Sent Bus::publish(Process topic, Kind kind, Bytes& message, std::int32_t attempt
 }
 
 Subscription Bus::subscribe(Process topic, Kind kind, Handler handler) {
-  std::string channel = state_->channel(topic, kind);
+  const std::string& channel = state_->channel(topic, kind);
   if (!state_->handlers.emplace(channel, std::move(handler)).second) {
     throw std::logic_error("wire: two handlers for channel " + channel);
   }
-  return {*this, std::move(channel)};
+  narrow();
+  return {*this, channel};
 }
 
 bool Bus::pump(double timeout_s) {
-  if (!state_->socket.receive(timeout_s, state_->datagram)) return false;
+  if (!state_->receiver->receive(timeout_s, state_->datagram)) return false;
   state_->arrival_s = now_s();
   state_->handle(state_->datagram);
   return true;
 }
 
 void Bus::State::handle(const Datagram& incoming) {
-  if (!incoming.channel.starts_with(prefix)) {
+  if (!incoming.channel.starts_with(filter.prefix)) {
     ++counts.foreign;
     return;
   }
-  const bool chunk = incoming.channel.ends_with("_chunk");
-  if (!chunk && handlers.find(incoming.channel) == handlers.end()) return;  // not for this process
+  if (handlers.find(incoming.channel) == handlers.end()) return;  // not for this process
   const auto header = open_seal(incoming.payload);
   if (!header) {
     ++counts.damaged;
@@ -178,22 +207,19 @@ void Bus::State::handle(const Datagram& incoming) {
     ++counts.foreign;
     return;
   }
-  if (chunk) {
-    handle_chunk(*header, incoming.channel, incoming.payload);
+  if (header->kind == Kind::Chunk) {
+    handle_chunk(incoming.channel, incoming.payload);
   } else {
     dispatch(*header, incoming.channel, incoming.payload);
   }
 }
 
-void Bus::State::handle_chunk(const Header& header, std::string_view channel, ByteView message) {
+void Bus::State::handle_chunk(std::string_view channel, ByteView message) {
   const auto chunk = decode_chunk(message);
-  if (!chunk || header.kind != Kind::Chunk) {
+  if (!chunk || !channel.ends_with(text_of(chunk->whole_kind))) {
     ++counts.undecodable;
     return;
   }
-  std::string whole_channel(channel.substr(0, channel.size() - std::strlen("chunk")));
-  whole_channel += text_of(chunk->whole_kind);
-  if (handlers.find(whole_channel) == handlers.end()) return;
   const auto whole = assembler.add(*chunk);
   if (!whole) return;
   const auto whole_header = open_seal(*whole);
@@ -201,7 +227,7 @@ void Bus::State::handle_chunk(const Header& header, std::string_view channel, By
     ++counts.damaged;
     return;
   }
-  dispatch(*whole_header, whole_channel, *whole);
+  dispatch(*whole_header, channel, *whole);
 }
 
 void Bus::State::dispatch(const Header& header, std::string_view channel, ByteView message) {
@@ -229,7 +255,7 @@ BusCounts Bus::counts() const {
   return counts;
 }
 
-int Bus::receive_buffer_bytes() const { return state_->socket.receive_buffer_bytes(); }
+int Bus::receive_buffer_bytes() const { return state_->receiver->receive_buffer_bytes(); }
 
 std::string Bus::send_error() const {
   const std::lock_guard lock(state_->error_mutex);

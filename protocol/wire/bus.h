@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "protocol/wire/multicast_socket.h"
+#include "protocol/wire/receiver.h"
 #include "protocol/wire/seal.h"
 
 namespace tandem::wire {
@@ -18,6 +18,7 @@ struct BusOptions {
   int port = 0;  ///< private to the run; free_port()
   int ttl = 0;   ///< 0 = this host only, 1 = one subnet
   int receive_buffer_bytes = 4194304;
+  Receive receive = Receive::Own;
   double self_test_s = 2.0;  ///< longest time to hear the own test message at opening
 };
 
@@ -66,7 +67,7 @@ class Subscription {
 };
 
 /// One process's connection to the multicast of a run: sends through liblcm, receives through a
-/// MulticastSocket. Channels are TANDEM_<run id>_<topic>_<kind>: letters, digits and '_' only,
+/// Receiver. Channels are TANDEM_<run id>_<topic>_<kind>: letters, digits and '_' only,
 /// since LCM subscriptions are regular expressions. Messages beyond kMaxWhole travel in chunks.
 ///
 /// Nothing is received but within pump(): one thread owns the bus; publish() alone may also be
@@ -112,6 +113,7 @@ class Bus {
  private:
   friend class Subscription;
   void self_test();
+  void narrow();
   struct State;
   std::unique_ptr<State> state_;
 };

@@ -2,18 +2,17 @@
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
-#include <linux/filter.h>
+#include <net/if.h>
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <random>
+#include <vector>
 
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
@@ -35,19 +34,6 @@ const sockaddr* generic(const sockaddr_in& address) {
   return reinterpret_cast<const sockaddr*>(&address);
 }
 
-// liblcm says "No route" with a garbage address and goes on; we ask the kernel first.
-void require_route(int port) {
-  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const sockaddr_in address = group_address(port);
-  const int result = connect(fd, generic(address), sizeof(address));
-  const int error = errno;
-  close(fd);
-  require(result == 0,
-          fmt::format("wire: no route to the multicast group {} ({}). On one host: `ip route add "
-                      "224.0.0.0/4 dev lo`; between hosts route it to the common network.",
-                      kGroup, std::strerror(error)));
-}
-
 void set_option(int fd, int level, int option, const void* value, socklen_t size,
                 const char* name) {
   if (setsockopt(fd, level, option, value, size) == 0) return;
@@ -57,13 +43,14 @@ void set_option(int fd, int level, int option, const void* value, socklen_t size
 
 }  // namespace
 
-MulticastSocket::MulticastSocket(int port, int receive_buffer_bytes) : buffer_(kMaxDatagram) {
-  require(port > 0 && port < 65536, fmt::format("wire: port {} is outside 1 … 65535", port));
-  require_route(port);
+MulticastSocket::MulticastSocket(const ReceiverOptions& options) : buffer_(kMaxDatagram) {
+  require(options.port > 0 && options.port < 65536,
+          fmt::format("wire: port {} is outside 1 … 65535", options.port));
+  require_multicast_route(options.port);
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   require(fd_ >= 0, fmt::format("wire: cannot open a socket: {}", std::strerror(errno)));
   try {
-    open(port, receive_buffer_bytes);
+    open(options);
   } catch (...) {
     close(fd_);
     throw;
@@ -72,106 +59,82 @@ MulticastSocket::MulticastSocket(int port, int receive_buffer_bytes) : buffer_(k
 
 MulticastSocket::~MulticastSocket() { close(fd_); }
 
-void MulticastSocket::open(int port, int receive_buffer_bytes) {
+void MulticastSocket::open(const ReceiverOptions& options) {
   const int on = 1;
   const int off = 0;
   set_option(fd_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on), "SO_REUSEADDR");
   // The kernel clamps this to net.core.rmem_max without a word: read back what was granted.
-  set_option(fd_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof(int), "SO_RCVBUF");
+  set_option(fd_, SOL_SOCKET, SO_RCVBUF, &options.receive_buffer_bytes, sizeof(int), "SO_RCVBUF");
   socklen_t size = sizeof(granted_bytes_);
   getsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &granted_bytes_, &size);
 
-  const sockaddr_in address = group_address(port);
+  const sockaddr_in address = group_address(options.port);
   if (bind(fd_, generic(address), sizeof(address)) != 0) {
     throw Error(ErrorKind::Usage,
                 fmt::format("wire: cannot listen on {}:{} ({}): another program holds the port. "
                             "Choose another one.",
-                            kGroup, port, std::strerror(errno)));
+                            kGroup, options.port, std::strerror(errno)));
   }
-  ip_mreq membership{};
+  ip_mreqn membership{};
   membership.imr_multiaddr = address.sin_addr;
-  membership.imr_interface.s_addr = htonl(INADDR_ANY);
   set_option(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership),
              "IP_ADD_MEMBERSHIP");
+  // Partners on this host may send through the loopback interface wherever the route leads. Fails
+  // when the route leads there itself.
+  membership.imr_ifindex = static_cast<int>(if_nametoindex("lo"));
+  if (membership.imr_ifindex > 0) {
+    setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership));
+  }
   set_option(fd_, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof(off), "IP_MULTICAST_ALL");
 }
 
-void MulticastSocket::ignore_sender(std::uint32_t address, std::uint16_t port) {
-  constexpr std::uint32_t kWord = BPF_LD | BPF_W | BPF_ABS;
-  constexpr std::uint32_t kHalf = BPF_LD | BPF_H | BPF_ABS;
-  constexpr std::uint32_t kEqual = BPF_JMP | BPF_JEQ | BPF_K;
-  constexpr std::uint32_t kReturn = BPF_RET | BPF_K;
-  // The IP source address is at byte 12 of the network header, the UDP source port at byte 0.
-  constexpr auto kSourceAddress = static_cast<std::uint32_t>(SKF_NET_OFF) + 12U;
-  std::array<sock_filter, 6> steps{{{kWord, 0, 0, kSourceAddress},
-                                    {kEqual, 0, 3, address},
-                                    {kHalf, 0, 0, 0},
-                                    {kEqual, 0, 1, port},
-                                    {kReturn, 0, 0, 0},
-                                    {kReturn, 0, 0, 0xffffffffU}}};
+void MulticastSocket::attach(const ChannelFilter& filter) {
+  std::vector<sock_filter> steps = compile(filter);
   const sock_fprog program{static_cast<unsigned short>(steps.size()), steps.data()};
   set_option(fd_, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program), "SO_ATTACH_FILTER");
 }
 
-bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
-  const double deadline_s = now_s() + timeout_s;
-  iovec part{buffer_.data(), buffer_.size()};
-  while (true) {
-    sockaddr_in from{};
-    msghdr message{};
-    message.msg_name = &from;
-    message.msg_namelen = sizeof(from);
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    const ssize_t size = recvmsg(fd_, &message, MSG_DONTWAIT);
-    if (size >= 0) {
-      datagram = {};
-      datagram.from_address = ntohl(from.sin_addr.s_addr);
-      datagram.from_port = ntohs(from.sin_port);
-      const ByteView bytes(buffer_.data(), static_cast<std::size_t>(size));
-      const bool small_message = bytes.size() > 9 && std::memcmp(bytes.data(), "LC02", 4) == 0;
-      if (!small_message) return true;
-      const auto end = std::find(bytes.begin() + 8, bytes.end(), std::uint8_t{0});
-      if (end == bytes.end()) return true;
-      const auto length = static_cast<std::size_t>(end - bytes.begin()) - 8;
-      datagram.channel = {reinterpret_cast<const char*>(bytes.data()) + 8, length};
-      datagram.payload = bytes.subspan(8 + length + 1);
-      return true;
-    }
-    if (errno == EINTR) continue;
-    if (errno != EAGAIN) {
-      throw Error(ErrorKind::Partner,
-                  fmt::format("wire: receiving on {}: {}", kGroup, std::strerror(errno)));
-    }
-    const double rest_s = deadline_s - now_s();
-    if (rest_s <= 0.0) return false;
-    const double whole_s = std::floor(rest_s);
-    const timespec timeout{static_cast<time_t>(whole_s),
-                           static_cast<long>((rest_s - whole_s) * 1e9)};
-    pollfd waiting{fd_, POLLIN, 0};
-    if (ppoll(&waiting, 1, &timeout, nullptr) < 0 && errno != EINTR) {
-      throw Error(ErrorKind::Partner,
-                  fmt::format("wire: waiting on {}: {}", kGroup, std::strerror(errno)));
-    }
-  }
+// One blocking call receives; setting another time-out would be a second one. So times are rounded
+// up to a power of two of 1 ms, and most calls find the socket as they need it.
+void MulticastSocket::set_timeout(double timeout_s) {
+  const double rounded_s =
+      0.001 * std::exp2(std::ceil(std::log2(std::max(timeout_s, 1e-3) / 1e-3)));
+  if (rounded_s == timeout_s_) return;
+  const double whole_s = std::floor(rounded_s);
+  const timeval timeout{static_cast<time_t>(whole_s),
+                        static_cast<suseconds_t>((rounded_s - whole_s) * 1e6)};
+  set_option(fd_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof(timeout), "SO_RCVTIMEO");
+  timeout_s_ = rounded_s;
 }
 
-int free_port() {
-  std::random_device random;
-  for (int attempt = 0; attempt < 200; ++attempt) {
-    const int port = 20000 + static_cast<int>(random() % 40000U);
-    const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    require(fd >= 0, fmt::format("wire: cannot open a socket: {}", std::strerror(errno)));
-    // Without SO_REUSEADDR and on all addresses: fails when anyone at all uses the port.
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    address.sin_addr.s_addr = htonl(INADDR_ANY);
-    const bool is_free = bind(fd, generic(address), sizeof(address)) == 0;
-    close(fd);
-    if (is_free) return port;
+bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
+  if (timeout_s > 0.0) set_timeout(timeout_s);
+  const int flags = timeout_s > 0.0 ? 0 : MSG_DONTWAIT;
+  sockaddr_in from{};
+  socklen_t from_size = sizeof(from);
+  ssize_t size = -1;
+  do {
+    size = recvfrom(fd_, buffer_.data(), buffer_.size(), flags, reinterpret_cast<sockaddr*>(&from),
+                    &from_size);
+  } while (size < 0 && errno == EINTR);
+  if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return false;
+  if (size < 0) {
+    throw Error(ErrorKind::Partner,
+                fmt::format("wire: receiving on {}: {}", kGroup, std::strerror(errno)));
   }
-  throw Error(ErrorKind::Usage, "wire: no free multicast port between 20000 and 59999");
+  datagram = {};
+  datagram.from_address = ntohl(from.sin_addr.s_addr);
+  datagram.from_port = ntohs(from.sin_port);
+  const ByteView bytes(buffer_.data(), static_cast<std::size_t>(size));
+  const bool small_message = bytes.size() > 9 && std::memcmp(bytes.data(), "LC02", 4) == 0;
+  if (!small_message) return true;
+  const auto* end =
+      static_cast<const std::uint8_t*>(std::memchr(bytes.data() + 8, 0, bytes.size() - 8));
+  if (end == nullptr) return true;
+  const auto length = static_cast<std::size_t>(end - bytes.data()) - 8;
+  datagram.channel = {reinterpret_cast<const char*>(bytes.data()) + 8, length};
+  datagram.payload = bytes.subspan(8 + length + 1);
+  return true;
 }
 
 }  // namespace tandem::wire

@@ -29,6 +29,7 @@ enum class Kind : std::int32_t {
   Scenario = 14,
   SelfTest = 15,
 };
+inline constexpr std::size_t kKinds = 16;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
 
 /// The processes of a run.
