@@ -164,14 +164,12 @@ Sent Bus::publish(Process topic, Kind kind, Bytes& message, std::int32_t attempt
     state_->send(state_->channel(topic, kind), message);
     return {1, static_cast<std::int64_t>(message.size())};
   }
-  // A repetition has the same bytes, so that its chunks fill the gaps of earlier ones.
-  seal(message, 0);
   Sent sent;
-  for (const Bytes& part : cut(message, attempt)) {
+  cut(message, attempt, [&](const Bytes& part) {
     state_->send(state_->channel(topic, kind), part);
     ++sent.messages;
     sent.bytes += static_cast<std::int64_t>(part.size());
-  }
+  });
   return sent;
 }
 
@@ -222,12 +220,12 @@ void Bus::State::handle_chunk(std::string_view channel, ByteView message) {
   }
   const auto whole = assembler.add(*chunk);
   if (!whole) return;
-  const auto whole_header = open_seal(*whole);
-  if (!whole_header || whole_header->run_id != options.run_id) {
-    ++counts.damaged;
+  const Header header = header_of(*whole);
+  if (header.run_id != options.run_id || header.sender != chunk->header.sender) {
+    ++counts.undecodable;
     return;
   }
-  dispatch(*whole_header, channel, *whole);
+  dispatch(header, channel, *whole);
 }
 
 void Bus::State::dispatch(const Header& header, std::string_view channel, ByteView message) {

@@ -1,6 +1,9 @@
 #include "protocol/wire/chunks.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "protocol/wire/crc32.h"
 
 namespace tandem::wire {
 namespace {
@@ -10,30 +13,29 @@ constexpr std::size_t kMaxMessage = 64U << 20U;
 
 }  // namespace
 
-std::vector<Bytes> cut(const Bytes& message, std::int32_t attempt) {
-  const auto header = open_seal(message);
-  require(header.has_value() && message.size() <= kMaxMessage,
+void cut(Bytes& message, std::int32_t attempt, const std::function<void(const Bytes&)>& send) {
+  require(message.size() >= kHeaderEnd && message.size() <= kMaxMessage,
           "wire: a message of " + std::to_string(message.size()) +
-              " bytes cannot be sent: it is not sealed or larger than 64 MiB");
+              " bytes cannot be sent: it is larger than 64 MiB");
   Chunk chunk;
-  chunk.header = *header;
+  chunk.header = header_of(message);
+  chunk.whole_kind = chunk.header.kind;
   chunk.header.kind = Kind::Chunk;
-  chunk.whole_kind = header->kind;
-  chunk.whole_checksum = header->checksum;
   chunk.whole_bytes = static_cast<std::int32_t>(message.size());
   chunk.count = static_cast<std::int32_t>((message.size() + kChunkData - 1) / kChunkData);
-  std::vector<Bytes> parts;
+  set_checksum(message, 0);
+  chunk.whole_checksum = crc32(0, message);
+  thread_local Bytes part;
   for (std::size_t begin = 0; begin < message.size(); begin += kChunkData) {
-    const std::size_t size = std::min(kChunkData, message.size() - begin);
-    chunk.bytes.assign(message.data() + begin, message.data() + begin + size);
-    parts.push_back(encode(chunk));
-    seal(parts.back(), attempt);
+    chunk.bytes = ByteView(message).subspan(begin, std::min(kChunkData, message.size() - begin));
+    encode(chunk, part);
+    seal(part, attempt);
+    send(part);
     ++chunk.index;
   }
-  return parts;
 }
 
-std::optional<Bytes> Assembler::add(const Chunk& chunk) {
+std::optional<ByteView> Assembler::add(const Chunk& chunk) {
   // Sizes follow from the size of the whole: whatever does not fit is not one of ours.
   if (chunk.whole_bytes <= 0) return std::nullopt;
   const auto whole = static_cast<std::size_t>(chunk.whole_bytes);
@@ -52,10 +54,11 @@ std::optional<Bytes> Assembler::add(const Chunk& chunk) {
             message.bytes.begin() + static_cast<std::ptrdiff_t>(begin));
   message.here[index] = true;
   if (--message.missing > 0) return std::nullopt;
-  Bytes done = std::move(message.bytes);
+  spare_ = std::exchange(whole_, std::move(message.bytes));
   open_.erase(std::find_if(open_.begin(), open_.end(),
                            [&](const Open& other) { return &other == &message; }));
-  return done;
+  set_checksum(whole_, chunk.whole_checksum);
+  return ByteView(whole_);
 }
 
 Assembler::Open& Assembler::entry(const Chunk& chunk) {
@@ -68,8 +71,10 @@ Assembler::Open& Assembler::entry(const Chunk& chunk) {
   if (found != open_.end()) return *found;
   if (open_.size() >= kMaxOpen) open_.pop_front();
   const auto count = static_cast<std::size_t>(chunk.count);
+  Bytes bytes = std::move(spare_);
+  bytes.resize(whole);
   return open_.emplace_back(Open{chunk.header.sender, chunk.whole_kind, chunk.header.sequence,
-                                 chunk.whole_checksum, Bytes(whole), std::vector<bool>(count),
+                                 chunk.whole_checksum, std::move(bytes), std::vector<bool>(count),
                                  count});
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -12,8 +13,10 @@ namespace tandem::wire {
 /// Messages up to this size go in one datagram (LCM's limit is 65,499 bytes with the channel).
 inline constexpr std::size_t kMaxWhole = 60000;
 
-/// Cuts a sealed message into sealed chunk messages of at most kMaxWhole bytes each.
-[[nodiscard]] std::vector<Bytes> cut(const Bytes& message, std::int32_t attempt = 0);
+/// Cuts an encoded message into sealed chunk messages of at most kMaxWhole bytes each and hands
+/// each to `send`. Cutting the same message again gives the same bytes but for `attempt`. The
+/// message's own checksum is written into each chunk and is zero in the message itself.
+void cut(Bytes& message, std::int32_t attempt, const std::function<void(const Bytes&)>& send);
 
 /// Puts chunks together again, in any order, repeated or interleaved with those of other messages.
 /// Chunks of a repetition of the same message complete each other. Memory is bounded: messages of
@@ -22,8 +25,9 @@ class Assembler {
  public:
   static constexpr std::size_t kMaxOpen = 8;
 
-  /// The whole message (its own seal still to be opened) once its last part is here.
-  [[nodiscard]] std::optional<Bytes> add(const Chunk& chunk);
+  /// The whole message, with its checksum in place, once its last part is here. It lives until the
+  /// next call. Each chunk has a seal of its own: the whole need not be checked once more.
+  [[nodiscard]] std::optional<ByteView> add(const Chunk& chunk);
 
  private:
   struct Open {
@@ -38,6 +42,8 @@ class Assembler {
   Open& entry(const Chunk& chunk);
 
   std::deque<Open> open_;
+  Bytes whole_;  ///< the message handed out
+  Bytes spare_;  ///< memory of the one before
 };
 
 }  // namespace tandem::wire

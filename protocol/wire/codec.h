@@ -2,28 +2,76 @@
 
 // Shared by the encode units alone: includes generated LCM headers.
 
+#include <array>
+#include <cstring>
 #include <initializer_list>
 #include <optional>
 #include <string>
 #include <tandem_wire/header_t.hpp>
-#include <tandem_wire/motion_t.hpp>
-#include <tandem_wire/wrench_t.hpp>
 #include <vector>
 
-#include "protocol/contract/port.h"
+#include "protocol/wire/arrays.h"
 #include "protocol/wire/seal.h"
 
 namespace tandem::wire::codec {
 
-inline constexpr std::int64_t kMotionBytes = 13 * 8;
-inline constexpr std::int64_t kWrenchBytes = 6 * 8;
+inline constexpr std::size_t kMaxMessageBytes = 64U << 20U;
 
 /// Bytes of a message: counts follow the header directly, so the exact size is known before any
 /// memory is taken: fixed part + Σ count_i × element_bytes_i.
-bool size_fits(ByteView message, std::int64_t fixed_bytes,
-               std::initializer_list<std::int64_t> element_bytes);
+bool size_fits(ByteView message, std::size_t fixed_bytes,
+               std::initializer_list<std::size_t> element_bytes);
 
-inline constexpr std::size_t kMaxMessageBytes = 64U << 20U;
+/// One array of a message: how many elements of how many bytes.
+struct Array {
+  std::size_t count = 0;
+  std::size_t element_bytes = 1;
+};
+
+/// Writes the fixed part of a message through lcm-gen's code and the counts, and makes room for the
+/// arrays, which all stand at its end. `fixed` has no arrays and counts of zero.
+template <class T>
+ArrayWriter begin(const T& fixed, std::initializer_list<Array> arrays, Bytes& message) {
+  const auto fixed_bytes = static_cast<std::size_t>(fixed.getEncodedSize());
+  std::size_t size = fixed_bytes;
+  for (const Array& array : arrays) size += array.count * array.element_bytes;
+  message.resize(size);
+  fixed.encode(message.data(), 0, static_cast<int>(fixed_bytes));
+  std::uint8_t* at = message.data() + kHeaderEnd;
+  for (const Array& array : arrays) {
+    for (int shift = 24; shift >= 0; shift -= 8) {
+      *at++ = static_cast<std::uint8_t>(array.count >> static_cast<unsigned>(shift));
+    }
+  }
+  return ArrayWriter(message.data() + fixed_bytes);
+}
+
+/// Reads the fixed part of a message whose arrays all stand at its end; nothing when it is of
+/// another schema or its counts do not add up to its size.
+template <class T>
+std::optional<T> fixed_part(ByteView message, std::initializer_list<std::size_t> element_bytes) {
+  T fixed{};
+  std::array<std::uint8_t, 512> bytes{};
+  const auto size = static_cast<std::size_t>(fixed.getEncodedSize());
+  if (message.size() > kMaxMessageBytes || size > bytes.size() ||
+      !size_fits(message, size, element_bytes)) {
+    return std::nullopt;
+  }
+  std::memcpy(bytes.data(), message.data(), size);
+  std::memset(bytes.data() + kHeaderEnd, 0, 4 * element_bytes.size());
+  const int expected = static_cast<int>(size);
+  if (fixed.decode(bytes.data(), 0, expected) != expected) return std::nullopt;
+  return fixed;
+}
+
+/// The n-th count behind the header.
+std::size_t count_at(ByteView message, std::size_t n);
+
+/// Where the arrays begin.
+template <class T>
+ArrayReader arrays_of(ByteView message, const T& fixed) {
+  return ArrayReader(message.data() + fixed.getEncodedSize());
+}
 
 template <class T>
 Bytes to_bytes(const T& value) {
@@ -34,9 +82,11 @@ Bytes to_bytes(const T& value) {
 
 template <class T>
 std::optional<T> from_bytes(ByteView message, const T& empty,
-                            std::initializer_list<std::int64_t> element_bytes) {
+                            std::initializer_list<std::size_t> element_bytes) {
   if (message.size() > kMaxMessageBytes) return std::nullopt;
-  if (!size_fits(message, empty.getEncodedSize(), element_bytes)) return std::nullopt;
+  if (!size_fits(message, static_cast<std::size_t>(empty.getEncodedSize()), element_bytes)) {
+    return std::nullopt;
+  }
   T value = empty;
   const int size = static_cast<int>(message.size());
   if (value.decode(message.data(), 0, size) != size) return std::nullopt;
@@ -45,10 +95,6 @@ std::optional<T> from_bytes(ByteView message, const T& empty,
 
 tandem_wire::header_t pack(const Header& header);
 Header unpack(const tandem_wire::header_t& packed);
-std::vector<tandem_wire::motion_t> pack(const MotionSet& motions);
-std::vector<tandem_wire::wrench_t> pack(const WrenchSet& wrenches);
-MotionSet unpack(const std::vector<tandem_wire::motion_t>& packed);
-WrenchSet unpack(const std::vector<tandem_wire::wrench_t>& packed);
 
 inline std::vector<std::uint8_t> pack(const std::string& text) {
   return {text.begin(), text.end()};

@@ -13,119 +13,157 @@
 
 namespace tandem::wire {
 
+using codec::arrays_of;
 using codec::count;
+using codec::count_at;
 using codec::from_bytes;
-using codec::kMotionBytes;
-using codec::kWrenchBytes;
 using codec::pack;
 using codec::to_bytes;
 using codec::unpack;
 
+void encode(const RequestView& request, Bytes& message) {
+  tandem_wire::request_t fixed{};
+  fixed.header = pack(request.head.header);
+  fixed.call = static_cast<std::int32_t>(request.head.call);
+  fixed.checkpoint_first = request.head.checkpoint_first;
+  fixed.rollback_first = request.head.rollback_first;
+  fixed.linearize = request.head.linearize;
+  fixed.step_ns = request.head.step.count();
+  codec::begin(fixed,
+               {{request.motions_begin.size(), kMotionBytes},
+                {request.motions_end.size(), kMotionBytes},
+                {request.wrenches_begin.size(), kWrenchBytes},
+                {request.wrenches_end.size(), kWrenchBytes}},
+               message)
+      .add(request.motions_begin)
+      .add(request.motions_end)
+      .add(request.wrenches_begin)
+      .add(request.wrenches_end);
+}
+
 Bytes encode(const Request& request) {
-  tandem_wire::request_t packed;
-  packed.header = pack(request.header);
-  packed.n_motions_begin = count(request.motions.begin);
-  packed.n_motions_end = count(request.motions.end);
-  packed.n_wrenches_begin = count(request.wrenches.begin);
-  packed.n_wrenches_end = count(request.wrenches.end);
-  packed.call = static_cast<std::int32_t>(request.call);
-  packed.checkpoint_first = request.checkpoint_first;
-  packed.rollback_first = request.rollback_first;
-  packed.linearize = request.linearize;
-  packed.step_ns = request.step.count();
-  packed.motions_begin = pack(request.motions.begin);
-  packed.motions_end = pack(request.motions.end);
-  packed.wrenches_begin = pack(request.wrenches.begin);
-  packed.wrenches_end = pack(request.wrenches.end);
-  return to_bytes(packed);
+  Bytes message;
+  Request head = request;
+  encode({head, request.motions.begin, request.motions.end, request.wrenches.begin,
+          request.wrenches.end},
+         message);
+  return message;
+}
+
+bool decode(ByteView message, Request& request) {
+  const auto fixed = codec::fixed_part<tandem_wire::request_t>(
+      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes});
+  if (!fixed || fixed->call < 0 || fixed->call > static_cast<int>(RequestKind::Bye)) return false;
+  request.header = unpack(fixed->header);
+  request.call = static_cast<RequestKind>(fixed->call);
+  request.checkpoint_first = fixed->checkpoint_first != 0;
+  request.rollback_first = fixed->rollback_first != 0;
+  request.linearize = fixed->linearize != 0;
+  request.step = SimTime(fixed->step_ns);
+  arrays_of(message, *fixed)
+      .take(count_at(message, 0), request.motions.begin)
+      .take(count_at(message, 1), request.motions.end)
+      .take(count_at(message, 2), request.wrenches.begin)
+      .take(count_at(message, 3), request.wrenches.end);
+  return true;
 }
 
 std::optional<Request> decode_request(ByteView message) {
-  const auto packed = from_bytes(message, tandem_wire::request_t{},
-                                 {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes});
-  if (!packed || packed->call < 0 || packed->call > static_cast<int>(RequestKind::Bye)) {
-    return std::nullopt;
-  }
   Request request;
-  request.header = unpack(packed->header);
-  request.call = static_cast<RequestKind>(packed->call);
-  request.checkpoint_first = packed->checkpoint_first != 0;
-  request.rollback_first = packed->rollback_first != 0;
-  request.linearize = packed->linearize != 0;
-  request.step = SimTime(packed->step_ns);
-  request.motions = {unpack(packed->motions_begin), unpack(packed->motions_end)};
-  request.wrenches = {unpack(packed->wrenches_begin), unpack(packed->wrenches_end)};
+  if (!decode(message, request)) return std::nullopt;
   return request;
 }
 
-Bytes encode(const Reply& reply) {
-  tandem_wire::reply_t packed;
-  packed.header = pack(reply.header);
-  packed.compute_s = reply.cost.compute_s;
-  packed.decode_s = reply.cost.decode_s;
-  packed.encode_s = reply.cost.encode_s;
-  packed.publish_s = reply.cost.publish_s;
-  packed.duplicates = reply.duplicates;
-  packed.outcome = static_cast<std::int32_t>(reply.outcome);
-  packed.error_kind = reply.error ? static_cast<std::int32_t>(*reply.error) : -1;
-  packed.solver_iterations = reply.solver_iterations;
-  packed.jacobian_rows = -1;
+void encode(const Reply& reply, Bytes& message) {
+  tandem_wire::reply_t fixed{};
+  fixed.header = pack(reply.header);
+  fixed.compute_s = reply.cost.compute_s;
+  fixed.decode_s = reply.cost.decode_s;
+  fixed.encode_s = reply.cost.encode_s;
+  fixed.publish_s = reply.cost.publish_s;
+  fixed.duplicates = reply.duplicates;
+  fixed.outcome = static_cast<std::int32_t>(reply.outcome);
+  fixed.error_kind = reply.error ? static_cast<std::int32_t>(*reply.error) : -1;
+  fixed.solver_iterations = reply.solver_iterations;
+  fixed.jacobian_rows = -1;
+  std::span<const double> jacobian;
   if (reply.jacobian) {
-    packed.jacobian_rows = static_cast<std::int32_t>(reply.jacobian->rows());
-    packed.jacobian.assign(reply.jacobian->data(), reply.jacobian->data() + reply.jacobian->size());
+    fixed.jacobian_rows = static_cast<std::int32_t>(reply.jacobian->rows());
+    jacobian = {reply.jacobian->data(), static_cast<std::size_t>(reply.jacobian->size())};
   }
-  packed.time_ns = reply.observation.time.count();
-  packed.kinetic_J = reply.observation.energy.kinetic_J;
-  packed.potential_J = reply.observation.energy.potential_J;
-  packed.elastic_J = reply.observation.energy.elastic_J;
-  packed.external_work_J = reply.observation.energy.external_work_J;
-  packed.state_hash = static_cast<std::int64_t>(reply.observation.state_hash);
-  packed.motions = pack(reply.motions);
-  packed.wrenches = pack(reply.wrenches);
-  packed.message = pack(reply.message);
-  packed.n_motions = count(packed.motions);
-  packed.n_wrenches = count(packed.wrenches);
-  packed.n_jacobian = count(packed.jacobian);
-  packed.n_message = count(packed.message);
-  return to_bytes(packed);
+  fixed.time_ns = reply.observation.time.count();
+  fixed.kinetic_J = reply.observation.energy.kinetic_J;
+  fixed.potential_J = reply.observation.energy.potential_J;
+  fixed.elastic_J = reply.observation.energy.elastic_J;
+  fixed.external_work_J = reply.observation.energy.external_work_J;
+  fixed.state_hash = static_cast<std::int64_t>(reply.observation.state_hash);
+  codec::begin(fixed,
+               {{reply.motions.size(), kMotionBytes},
+                {reply.wrenches.size(), kWrenchBytes},
+                {jacobian.size(), 8},
+                {reply.message.size(), 1}},
+               message)
+      .add(reply.motions)
+      .add(reply.wrenches)
+      .add(jacobian)
+      .add(std::span<const char>(reply.message));
+}
+
+Bytes encode(const Reply& reply) {
+  Bytes message;
+  encode(reply, message);
+  return message;
 }
 
 namespace {
 
 // False when rows do not divide the number of entries.
-bool unpack_jacobian(const tandem_wire::reply_t& packed, Reply& reply) {
-  if (packed.jacobian_rows < 0) return packed.n_jacobian == 0;
-  const Eigen::Index rows = packed.jacobian_rows;
-  const Eigen::Index columns = rows == 0 ? 0 : packed.n_jacobian / rows;
-  if (rows * columns != packed.n_jacobian) return false;
-  reply.jacobian = Eigen::Map<const Eigen::MatrixXd>(packed.jacobian.data(), rows, columns);
+bool shape_jacobian(std::int32_t rows_sent, std::size_t entries, Reply& reply) {
+  reply.jacobian.reset();
+  if (rows_sent < 0) return entries == 0;
+  const Eigen::Index rows = rows_sent;
+  const Eigen::Index columns = rows == 0 ? 0 : static_cast<Eigen::Index>(entries) / rows;
+  if (rows * columns != static_cast<Eigen::Index>(entries)) return false;
+  reply.jacobian.emplace(rows, columns);
   return true;
 }
 
 }  // namespace
 
-std::optional<Reply> decode_reply(ByteView message) {
-  const auto packed =
-      from_bytes(message, tandem_wire::reply_t{}, {kMotionBytes, kWrenchBytes, 8, 1});
-  if (!packed || packed->outcome < 0 || packed->outcome > static_cast<int>(Outcome::Failed) ||
-      packed->error_kind < -1 || packed->error_kind > static_cast<int>(ErrorKind::ReplayDiffers)) {
-    return std::nullopt;
+bool decode(ByteView message, Reply& reply) {
+  const auto fixed =
+      codec::fixed_part<tandem_wire::reply_t>(message, {kMotionBytes, kWrenchBytes, 8, 1});
+  if (!fixed || fixed->outcome < 0 || fixed->outcome > static_cast<int>(Outcome::Failed) ||
+      fixed->error_kind < -1 || fixed->error_kind > static_cast<int>(ErrorKind::ReplayDiffers) ||
+      !shape_jacobian(fixed->jacobian_rows, count_at(message, 2), reply)) {
+    return false;
   }
+  reply.header = unpack(fixed->header);
+  reply.cost = {fixed->compute_s, fixed->decode_s, fixed->encode_s, fixed->publish_s};
+  reply.duplicates = fixed->duplicates;
+  reply.outcome = static_cast<Outcome>(fixed->outcome);
+  reply.error.reset();
+  if (fixed->error_kind >= 0) reply.error = static_cast<ErrorKind>(fixed->error_kind);
+  reply.solver_iterations = fixed->solver_iterations;
+  reply.observation.time = SimTime(fixed->time_ns);
+  reply.observation.energy = {fixed->kinetic_J, fixed->potential_J, fixed->elastic_J,
+                              fixed->external_work_J};
+  reply.observation.state_hash = static_cast<std::uint64_t>(fixed->state_hash);
+  std::span<double> jacobian;
+  if (reply.jacobian) {
+    jacobian = {reply.jacobian->data(), static_cast<std::size_t>(reply.jacobian->size())};
+  }
+  arrays_of(message, *fixed)
+      .take(count_at(message, 0), reply.motions)
+      .take(count_at(message, 1), reply.wrenches)
+      .take(jacobian)
+      .take(count_at(message, 3), reply.message);
+  return true;
+}
+
+std::optional<Reply> decode_reply(ByteView message) {
   Reply reply;
-  if (!unpack_jacobian(*packed, reply)) return std::nullopt;
-  reply.header = unpack(packed->header);
-  reply.cost = {packed->compute_s, packed->decode_s, packed->encode_s, packed->publish_s};
-  reply.duplicates = packed->duplicates;
-  reply.outcome = static_cast<Outcome>(packed->outcome);
-  if (packed->error_kind >= 0) reply.error = static_cast<ErrorKind>(packed->error_kind);
-  reply.message = unpack(packed->message);
-  reply.solver_iterations = packed->solver_iterations;
-  reply.observation.time = SimTime(packed->time_ns);
-  reply.observation.energy = {packed->kinetic_J, packed->potential_J, packed->elastic_J,
-                              packed->external_work_J};
-  reply.observation.state_hash = static_cast<std::uint64_t>(packed->state_hash);
-  reply.motions = unpack(packed->motions);
-  reply.wrenches = unpack(packed->wrenches);
+  if (!decode(message, reply)) return std::nullopt;
   return reply;
 }
 
@@ -219,30 +257,29 @@ std::optional<Credit> decode_credit(ByteView message) {
   return Credit{unpack(packed->header), packed->recorded_through, packed->wanted};
 }
 
-Bytes encode(const Chunk& chunk) {
-  tandem_wire::chunk_t packed;
-  packed.header = pack(chunk.header);
-  packed.whole_kind = static_cast<std::int32_t>(chunk.whole_kind);
-  packed.whole_checksum = static_cast<std::int32_t>(chunk.whole_checksum);
-  packed.whole_bytes = chunk.whole_bytes;
-  packed.index = chunk.index;
-  packed.count = chunk.count;
-  packed.bytes = chunk.bytes;
-  packed.n_bytes = count(packed.bytes);
-  return to_bytes(packed);
+void encode(const Chunk& chunk, Bytes& message) {
+  tandem_wire::chunk_t fixed{};
+  fixed.header = pack(chunk.header);
+  fixed.whole_kind = static_cast<std::int32_t>(chunk.whole_kind);
+  fixed.whole_checksum = static_cast<std::int32_t>(chunk.whole_checksum);
+  fixed.whole_bytes = chunk.whole_bytes;
+  fixed.index = chunk.index;
+  fixed.count = chunk.count;
+  codec::begin(fixed, {{chunk.bytes.size(), 1}}, message)
+      .add({reinterpret_cast<const char*>(chunk.bytes.data()), chunk.bytes.size()});
 }
 
 std::optional<Chunk> decode_chunk(ByteView message) {
-  auto packed = from_bytes(message, tandem_wire::chunk_t{}, {1});
-  if (!packed) return std::nullopt;
+  const auto fixed = codec::fixed_part<tandem_wire::chunk_t>(message, {1});
+  if (!fixed) return std::nullopt;
   Chunk chunk;
-  chunk.header = unpack(packed->header);
-  chunk.whole_kind = static_cast<Kind>(packed->whole_kind);
-  chunk.whole_checksum = static_cast<std::uint32_t>(packed->whole_checksum);
-  chunk.whole_bytes = packed->whole_bytes;
-  chunk.index = packed->index;
-  chunk.count = packed->count;
-  chunk.bytes = std::move(packed->bytes);
+  chunk.header = unpack(fixed->header);
+  chunk.whole_kind = static_cast<Kind>(fixed->whole_kind);
+  chunk.whole_checksum = static_cast<std::uint32_t>(fixed->whole_checksum);
+  chunk.whole_bytes = fixed->whole_bytes;
+  chunk.index = fixed->index;
+  chunk.count = fixed->count;
+  chunk.bytes = message.last(count_at(message, 0));
   return chunk;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,14 @@
 namespace tandem::wire {
 
 /// Number of the wire format; both ends of a handshake compare it.
-inline constexpr std::int32_t kProtocolVersion = 1;
+inline constexpr std::int32_t kProtocolVersion = 2;
 
 enum class RequestKind : std::int32_t { Initialize = 0, Advance = 1, Observe = 2, Bye = 3 };
 
 /// One call to a side. Which of motions and wrenches is filled depends on the side.
+///
+/// An advance whose segment begins where the last accepted one ended has an empty `begin`: both
+/// ends keep that value (see SegmentMemory), so it need not travel again.
 struct Request {
   Header header;
   RequestKind call = RequestKind::Observe;
@@ -26,6 +30,13 @@ struct Request {
   SimTime step{};
   Segment<MotionSet> motions;
   Segment<WrenchSet> wrenches;
+};
+
+/// A request whose arrays stay where they are: `head` without its segments.
+struct RequestView {
+  Request& head;
+  std::span<const Motion> motions_begin, motions_end;
+  std::span<const Wrench> wrenches_begin, wrenches_end;
 };
 
 /// Time the serving process books for one request (s).
@@ -89,7 +100,7 @@ struct Chunk {
   std::int32_t whole_bytes = 0;
   std::int32_t index = 0;
   std::int32_t count = 0;
-  Bytes bytes;
+  ByteView bytes;  ///< lies in the message that was decoded
 };
 
 struct ScenarioText {
@@ -97,14 +108,17 @@ struct ScenarioText {
   std::string versions;
 };
 
-/// Encoding to big-endian LCM bytes; values cross bit for bit. The result is not sealed yet.
+/// Encoding to big-endian LCM bytes; values cross bit for bit. The result is not sealed yet. The
+/// two messages of an exchange are written into a buffer that the caller keeps.
+void encode(const RequestView& request, Bytes& message);
+void encode(const Reply& reply, Bytes& message);
 [[nodiscard]] Bytes encode(const Request& request);
 [[nodiscard]] Bytes encode(const Reply& reply);
 [[nodiscard]] Bytes encode(const Handshake& handshake);
 [[nodiscard]] Bytes encode(const Alive& alive);
 [[nodiscard]] Bytes encode(const Abort& abort);
 [[nodiscard]] Bytes encode(const Credit& credit);
-[[nodiscard]] Bytes encode(const Chunk& chunk);
+void encode(const Chunk& chunk, Bytes& message);
 /// Messages of the journal: macro step and iteration of the header are those of the record.
 [[nodiscard]] Bytes encode(const Header& header, const CallRecord& call);
 [[nodiscard]] Bytes encode(const Header& header, const StepRecord& step);
@@ -116,6 +130,9 @@ struct ScenarioText {
 /// schema, when the lengths it states do not add up to its size, or a value is outside its range.
 [[nodiscard]] std::optional<Request> decode_request(ByteView message);
 [[nodiscard]] std::optional<Reply> decode_reply(ByteView message);
+/// The same into an object whose memory is used again; false = nothing.
+[[nodiscard]] bool decode(ByteView message, Request& request);
+[[nodiscard]] bool decode(ByteView message, Reply& reply);
 [[nodiscard]] std::optional<Handshake> decode_handshake(ByteView message);
 [[nodiscard]] std::optional<Alive> decode_alive(ByteView message);
 [[nodiscard]] std::optional<Abort> decode_abort(ByteView message);

@@ -9,63 +9,69 @@
 
 namespace tandem::wire {
 
+using codec::arrays_of;
 using codec::count;
+using codec::count_at;
 using codec::from_bytes;
-using codec::kMotionBytes;
-using codec::kWrenchBytes;
 using codec::pack;
 using codec::to_bytes;
 using codec::unpack;
 
 Bytes encode(const Header& header, const CallRecord& call) {
-  tandem_wire::call_t packed;
-  packed.header = pack(header);
-  packed.header.macro_step = call.macro_step;
-  packed.header.iteration = call.iteration;
-  packed.side = static_cast<std::int32_t>(call.side);
-  packed.call = static_cast<std::int32_t>(call.kind);
-  packed.checkpoint_first = call.checkpoint_first;
-  packed.rollback_first = call.rollback_first;
-  packed.linearize = call.linearize;
-  packed.accepted = call.accepted;
-  packed.step_ns = call.step.count();
-  packed.outcome = static_cast<std::int32_t>(call.outcome);
-  packed.solver_iterations = call.solver_iterations;
-  packed.motions_begin = pack(call.motions.begin);
-  packed.motions_end = pack(call.motions.end);
-  packed.wrenches_begin = pack(call.wrenches.begin);
-  packed.wrenches_end = pack(call.wrenches.end);
-  packed.message = pack(call.message);
-  packed.n_motions_begin = count(packed.motions_begin);
-  packed.n_motions_end = count(packed.motions_end);
-  packed.n_wrenches_begin = count(packed.wrenches_begin);
-  packed.n_wrenches_end = count(packed.wrenches_end);
-  packed.n_message = count(packed.message);
-  return to_bytes(packed);
+  tandem_wire::call_t fixed{};
+  fixed.header = pack(header);
+  fixed.header.macro_step = call.macro_step;
+  fixed.header.iteration = call.iteration;
+  fixed.side = static_cast<std::int32_t>(call.side);
+  fixed.call = static_cast<std::int32_t>(call.kind);
+  fixed.checkpoint_first = call.checkpoint_first;
+  fixed.rollback_first = call.rollback_first;
+  fixed.linearize = call.linearize;
+  fixed.accepted = call.accepted;
+  fixed.step_ns = call.step.count();
+  fixed.outcome = static_cast<std::int32_t>(call.outcome);
+  fixed.solver_iterations = call.solver_iterations;
+  Bytes message;
+  codec::begin(fixed,
+               {{call.motions.begin.size(), kMotionBytes},
+                {call.motions.end.size(), kMotionBytes},
+                {call.wrenches.begin.size(), kWrenchBytes},
+                {call.wrenches.end.size(), kWrenchBytes},
+                {call.message.size(), 1}},
+               message)
+      .add(call.motions.begin)
+      .add(call.motions.end)
+      .add(call.wrenches.begin)
+      .add(call.wrenches.end)
+      .add(std::span<const char>(call.message));
+  return message;
 }
 
 std::optional<CallRecord> decode_call(ByteView message) {
-  const auto packed = from_bytes(message, tandem_wire::call_t{},
-                                 {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1});
-  if (!packed || packed->side < 0 || packed->side > 1 || packed->call < 0 || packed->call > 1 ||
-      packed->outcome < 0 || packed->outcome > static_cast<int>(Outcome::Failed)) {
+  const auto fixed = codec::fixed_part<tandem_wire::call_t>(
+      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1});
+  if (!fixed || fixed->side < 0 || fixed->side > 1 || fixed->call < 0 || fixed->call > 1 ||
+      fixed->outcome < 0 || fixed->outcome > static_cast<int>(Outcome::Failed)) {
     return std::nullopt;
   }
   CallRecord call;
-  call.side = static_cast<SideName>(packed->side);
-  call.kind = static_cast<CallKind>(packed->call);
-  call.checkpoint_first = packed->checkpoint_first != 0;
-  call.rollback_first = packed->rollback_first != 0;
-  call.linearize = packed->linearize != 0;
-  call.accepted = packed->accepted != 0;
-  call.macro_step = packed->header.macro_step;
-  call.iteration = packed->header.iteration;
-  call.step = SimTime(packed->step_ns);
-  call.outcome = static_cast<Outcome>(packed->outcome);
-  call.solver_iterations = packed->solver_iterations;
-  call.motions = {unpack(packed->motions_begin), unpack(packed->motions_end)};
-  call.wrenches = {unpack(packed->wrenches_begin), unpack(packed->wrenches_end)};
-  call.message = unpack(packed->message);
+  call.side = static_cast<SideName>(fixed->side);
+  call.kind = static_cast<CallKind>(fixed->call);
+  call.checkpoint_first = fixed->checkpoint_first != 0;
+  call.rollback_first = fixed->rollback_first != 0;
+  call.linearize = fixed->linearize != 0;
+  call.accepted = fixed->accepted != 0;
+  call.macro_step = fixed->header.macro_step;
+  call.iteration = fixed->header.iteration;
+  call.step = SimTime(fixed->step_ns);
+  call.outcome = static_cast<Outcome>(fixed->outcome);
+  call.solver_iterations = fixed->solver_iterations;
+  arrays_of(message, *fixed)
+      .take(count_at(message, 0), call.motions.begin)
+      .take(count_at(message, 1), call.motions.end)
+      .take(count_at(message, 2), call.wrenches.begin)
+      .take(count_at(message, 3), call.wrenches.end)
+      .take(count_at(message, 4), call.message);
   return call;
 }
 

@@ -81,34 +81,35 @@ void RemoteLink::send(Bytes& message, std::int32_t attempt, CallCost& cost) {
 }
 
 void RemoteLink::on_reply(const Header& header, ByteView message) {
-  if (header.sequence != sequence_ || !reply_.empty()) {
+  if (header.sequence != sequence_ || reply_bytes_ > 0) {
     ++stale_;
     return;
   }
   arrival_s_ = bus_.arrival_s();
-  open_s_ = now_s() - arrival_s_;
-  reply_.assign(message.begin(), message.end());
+  reply_bytes_ = message.size();
+  other_schema_ = !decode(message, reply_);
+  decode_s_ = now_s() - arrival_s_;
 }
 
 void RemoteLink::await_reply(Bytes& request, CallCost& cost) {
-  reply_.clear();
+  reply_bytes_ = 0;
   send(request, 0, cost);
   double timeout_s = kFirstTimeout_s;
   double resend_s = now_s() + timeout_s;
-  while (reply_.empty()) {
+  while (reply_bytes_ == 0) {
     monitor_.wait(std::max(0.0, resend_s - now_s()));
-    if (!reply_.empty() || now_s() < resend_s) continue;
+    if (reply_bytes_ > 0 || now_s() < resend_s) continue;
     send(request, static_cast<std::int32_t>(++cost.resent), cost);
     timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
     resend_s = now_s() + timeout_s;
   }
 }
 
-void RemoteLink::book(const Reply& reply, double round_trip_s, CallCost& cost) {
+void RemoteLink::book(double round_trip_s, CallCost& cost) {
   // What neither process books is on the way: kernel, wake-up, waiting for a lost message. On one
   // core we may wake while the server still is in its publish call: only the part of it that fits
   // into the round trip delayed us.
-  const ServerCost& server = reply.cost;
+  const ServerCost& server = reply_.cost;
   const double server_s = server.compute_s + server.decode_s + server.encode_s;
   // On one core the woken server runs inside our own publish call: what it books is not ours.
   cost.publish_s = std::min(cost.publish_s, std::max(0.0, round_trip_s - server_s));
@@ -120,44 +121,41 @@ void RemoteLink::book(const Reply& reply, double round_trip_s, CallCost& cost) {
   cost.decode_s += server.decode_s;
   cost.publish_s += server_publish_s;
   cost.messages += 1;
-  cost.bytes += static_cast<std::int64_t>(reply_.size());
-  cost.duplicates = std::exchange(stale_, 0) + reply.duplicates -
-                    std::exchange(server_duplicates_, reply.duplicates);
+  cost.bytes += static_cast<std::int64_t>(reply_bytes_);
+  cost.duplicates = std::exchange(stale_, 0) + reply_.duplicates -
+                    std::exchange(server_duplicates_, reply_.duplicates);
 }
 
-Reply RemoteLink::call(Request& request, CallCost& cost) {
+Reply& RemoteLink::call(const RequestView& request, CallCost& cost) {
   CallCost mine;
-  Header header = bus_.header(Kind::Request, ++sequence_);
-  header.macro_step = request.header.macro_step;
-  header.iteration = request.header.iteration;
-  request.header = header;
+  Header& header = request.head.header;
+  const Header given = std::exchange(header, bus_.header(Kind::Request, ++sequence_));
+  header.macro_step = given.macro_step;
+  header.iteration = given.iteration;
   const double encode_s = now_s();
-  Bytes message = encode(request);
+  encode(request, request_);
   const double begin_s = now_s();
   mine.encode_s = begin_s - encode_s;
 
   monitor_.set_macro_step(header.macro_step);
-  await_reply(message, mine);
-
-  const double decode_s = now_s();
-  auto reply = decode_reply(reply_);
-  if (!reply) {
+  await_reply(request_, mine);
+  if (other_schema_) {
     throw Error(ErrorKind::Partner,
                 fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "
                             "message schema. Install both from one build.",
                             text_of(options_.side), sequence_, header.macro_step,
                             executable_of(options_.side)));
   }
-  mine.decode_s = open_s_ + (now_s() - decode_s);
-  book(*reply, arrival_s_ - begin_s, mine);
+  mine.decode_s = decode_s_;
+  book(arrival_s_ - begin_s, mine);
   cost += mine;
   total_ += mine;
-  if (reply->error) {
+  if (reply_.error) {
     const std::string name = std::string(text_of(options_.side)) + ": ";
-    const bool named = reply->message.starts_with(name);
-    throw Error(*reply->error, (named ? "" : name) + reply->message);
+    const bool named = reply_.message.starts_with(name);
+    throw Error(*reply_.error, (named ? "" : name) + reply_.message);
   }
-  return std::move(*reply);
+  return reply_;
 }
 
 void RemoteLink::bye() {
@@ -165,14 +163,15 @@ void RemoteLink::bye() {
   request.call = RequestKind::Bye;
   request.header = bus_.header(Kind::Request, ++sequence_);
   Bytes message = encode(request);
-  reply_.clear();
+  reply_bytes_ = 0;
   const double end_s = now_s() + kByeTime_s;
   double timeout_s = kFirstTimeout_s;
   // A side that is gone already has had its bye: not worth an error.
-  for (std::int32_t attempt = 0; reply_.empty() && now_s() < end_s; ++attempt) {
+  for (std::int32_t attempt = 0; reply_bytes_ == 0 && now_s() < end_s; ++attempt) {
     send(message, attempt, total_);
     const double resend_s = now_s() + timeout_s;
-    while (reply_.empty() && now_s() < resend_s) monitor_.wait(std::max(0.0, resend_s - now_s()));
+    while (reply_bytes_ == 0 && now_s() < resend_s)
+      monitor_.wait(std::max(0.0, resend_s - now_s()));
     timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
   }
   for (std::int32_t attempt = 0; attempt < 3; ++attempt) {

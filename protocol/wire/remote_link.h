@@ -31,9 +31,11 @@ class RemoteLink {
   /// version, scenario or port table.
   Handshake connect();
 
-  /// Sends the request and waits for its reply; adds what it cost to `cost`. Throws tandem::Error
-  /// with the side's name when the side threw, or is not heard any more.
-  Reply call(Request& request, CallCost& cost);
+  /// Sends the request and waits for its reply; adds what it cost to `cost`. The header of
+  /// `request.head` brings macro step and iteration alone. Throws tandem::Error with the side's
+  /// name when the side threw, or is not heard any more. The reply lives until the next call; its
+  /// values may be moved from.
+  Reply& call(const RequestView& request, CallCost& cost);
 
   /// Ends the side's server.
   void bye();
@@ -43,7 +45,7 @@ class RemoteLink {
  private:
   void send(Bytes& message, std::int32_t attempt, CallCost& cost);
   void await_reply(Bytes& request, CallCost& cost);
-  void book(const Reply& reply, double round_trip_s, CallCost& cost);
+  void book(double round_trip_s, CallCost& cost);
   void on_reply(const Header& header, ByteView message);
   void check(const Handshake& welcome) const;
 
@@ -52,9 +54,12 @@ class RemoteLink {
   RemoteOptions options_;
   Subscription replies_;
   std::int64_t sequence_ = 0;
-  Bytes reply_;  ///< of sequence_, empty while it is open
+  Bytes request_;                ///< encoded; its memory serves every call
+  Reply reply_;                  ///< of sequence_, once it is here
+  std::size_t reply_bytes_ = 0;  ///< 0 while the call is open
+  bool other_schema_ = false;    ///< the reply cannot be decoded
   double arrival_s_ = 0.0;
-  double open_s_ = 0.0;                 ///< checking and copying it
+  double decode_s_ = 0.0;               ///< checking and decoding it
   std::int64_t stale_ = 0;              ///< replies that came again, not booked yet
   std::int64_t server_duplicates_ = 0;  ///< as the server last reported
   CallCost total_;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "protocol/wire/remote_link.h"
+#include "protocol/wire/segment_memory.h"
 
 namespace tandem::wire {
 
@@ -26,23 +27,26 @@ class RemoteSide final : public Subsystem<In, Out> {
   [[nodiscard]] const SubsystemInfo& info() const override { return info_; }
 
   Out initialize(const In& input) override {
-    Request request = make(RequestKind::Initialize);
-    inputs(request).end = input;
+    Request head = make(RequestKind::Initialize);
+    memory_.given(input);
     CallCost cost;
-    return outputs(link_.call(request, cost));
+    return outputs(link_.call(view(head, {}, input), cost));
   }
 
   StepResult<Out> advance(const StepRequest<In>& step) override {
     ++iteration_;
-    Request request = make(RequestKind::Advance);
-    request.step = step.step;
-    request.linearize = step.linearize;
-    inputs(request) = step.input;
+    Request head = make(RequestKind::Advance);
+    head.step = step.step;
+    head.linearize = step.linearize;
+    // Where the last accepted segment ended: the side still has it.
+    const bool known = memory_.is_accepted(step.input.begin);
+    memory_.given(step.input.end);
     StepResult<Out> result;
-    Reply reply = link_.call(request, result.cost);
+    Reply& reply =
+        link_.call(view(head, known ? none() : step.input.begin, step.input.end), result.cost);
     result.outcome = reply.outcome;
     result.message = std::move(reply.message);
-    result.output = outputs(std::move(reply));
+    result.output = outputs(reply);
     result.jacobian = std::move(reply.jacobian);
     result.solver_iterations = reply.solver_iterations;
     return result;
@@ -50,6 +54,7 @@ class RemoteSide final : public Subsystem<In, Out> {
 
   void checkpoint() override {
     checkpoint_first_ = true;
+    memory_.accept();
     ++macro_step_;
     iteration_ = 0;
   }
@@ -58,9 +63,9 @@ class RemoteSide final : public Subsystem<In, Out> {
   void rollback() override { rollback_first_ = rollback_first_ || !checkpoint_first_; }
 
   Observation observe() override {
-    Request request = make(RequestKind::Observe);
+    Request head = make(RequestKind::Observe);
     CallCost cost;
-    return link_.call(request, cost).observation;
+    return link_.call(view(head, {}, {}), cost).observation;
   }
 
   /// Ends the serving process. Call it when the run is done.
@@ -80,14 +85,18 @@ class RemoteSide final : public Subsystem<In, Out> {
     return request;
   }
 
-  static Segment<In>& inputs(Request& request) {
+  static const In& none() {
+    static const In kNone;
+    return kNone;
+  }
+  static RequestView view(Request& head, const In& begin, const In& end) {
     if constexpr (std::is_same_v<In, WrenchSet>) {
-      return request.wrenches;
+      return {.head = head, .wrenches_begin = begin, .wrenches_end = end};
     } else {
-      return request.motions;
+      return {.head = head, .motions_begin = begin, .motions_end = end};
     }
   }
-  static Out&& outputs(Reply&& reply) {
+  static Out outputs(Reply& reply) {
     if constexpr (std::is_same_v<Out, WrenchSet>) {
       return std::move(reply.wrenches);
     } else {
@@ -99,6 +108,7 @@ class RemoteSide final : public Subsystem<In, Out> {
   SubsystemInfo info_;
   bool checkpoint_first_ = false;
   bool rollback_first_ = false;
+  SegmentMemory<In> memory_;
   std::int64_t macro_step_ = 0;
   std::int32_t iteration_ = 0;
 };

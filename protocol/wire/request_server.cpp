@@ -122,23 +122,21 @@ void RequestServer::on_request(const Header& header, ByteView message) {
 
 void RequestServer::execute(ByteView message) {
   const double begin_s = bus_.arrival_s();
-  const auto request = decode_request(message);
-  if (!request) {
+  if (!decode(message, request_)) {
     bus_.count_undecodable();
     return;
   }
+  const Header& header = request_.header;
   Reply reply;
-  reply.header = bus_.header(Kind::Reply, request->header.sequence);
-  reply.header.macro_step = request->header.macro_step;
-  reply.header.iteration = request->header.iteration;
-  monitor_.set_macro_step(request->header.macro_step);
-  if (options_.heartbeat != nullptr) {
-    options_.heartbeat->set_macro_step(request->header.macro_step);
-  }
+  reply.header = bus_.header(Kind::Reply, header.sequence);
+  reply.header.macro_step = header.macro_step;
+  reply.header.iteration = header.iteration;
+  monitor_.set_macro_step(header.macro_step);
+  if (options_.heartbeat != nullptr) options_.heartbeat->set_macro_step(header.macro_step);
   const double compute_s = now_s();
   reply.cost.decode_s = compute_s - begin_s;
   try {
-    execute_(*request, reply);
+    execute_(request_, reply);
   } catch (const Error& error) {
     reply.error = error.kind();
     reply.message = error.what();
@@ -149,16 +147,16 @@ void RequestServer::execute(ByteView message) {
     failure_ = std::current_exception();
   }
   reply.cost.compute_s = now_s() - compute_s;
-  last_ = request->header.sequence;
+  last_ = header.sequence;
   publish_reply(reply);
-  done_ = request->call == RequestKind::Bye;
+  done_ = request_.call == RequestKind::Bye;
 }
 
 void RequestServer::publish_reply(Reply& reply) {
   reply.cost.publish_s = publish_cost_s_;
   reply.duplicates = duplicates_;
   const double begin_s = now_s();
-  reply_ = encode(reply);
+  encode(reply, reply_);
   const double publish_s = now_s();
   patch_double(reply_, kReplyEncodeAt, publish_s - begin_s);
   repeats_ = 0;

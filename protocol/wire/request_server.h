@@ -23,9 +23,10 @@ struct ServerOptions {
 /// encoded reply when the last number comes again; passes over older ones; a gap is an error.
 class RequestServer {
  public:
-  /// Makes the call and fills output, outcome, message, Jacobian or observation of the reply. May
-  /// throw: the text travels to the client, and run() throws it again here.
-  using Execute = std::function<void(const Request&, Reply&)>;
+  /// Makes the call, may take the values of the request, and fills output, outcome, message,
+  /// Jacobian or observation of the reply. May throw: the text travels to the client, and run()
+  /// throws it again here.
+  using Execute = std::function<void(Request&, Reply&)>;
 
   /// Serves the side named by the bus's own process.
   RequestServer(Bus& bus, LivenessMonitor& monitor, ServerOptions options,
@@ -52,6 +53,7 @@ class RequestServer {
   ServerOptions options_;
   const SubsystemInfo& info_;
   Execute execute_;
+  Request request_;        ///< decoded; its memory serves every request
   std::int64_t last_ = 0;  ///< number of the last request executed
   Bytes reply_;            ///< its encoded reply
   double reply_s_ = 0.0;   ///< when it was last published

@@ -1,15 +1,18 @@
 #include "protocol/wire/seal.h"
 
-#include <zlib.h>
-
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
+
+#include "protocol/wire/crc32.h"
 
 namespace tandem::wire {
 namespace {
 
 constexpr std::size_t kChecksumAt = 8;
 constexpr std::size_t kAttemptAt = 44;
+constexpr std::size_t kSenderAt = 48;
 
 // lcm-gen writes all numbers big endian.
 template <class Word>
@@ -95,13 +98,11 @@ const char* executable_of(Process process) {
 }
 
 std::uint32_t checksum_of(ByteView message) {
-  static constexpr std::array<std::uint8_t, 4> kZero{};
-  const auto size = [](std::size_t n) { return static_cast<uInt>(n); };
-  const ByteView rest = message.subspan(kChecksumAt + 4);
-  uLong crc = crc32(0, message.data(), size(kChecksumAt));
-  crc = crc32(crc, kZero.data(), size(kZero.size()));
-  crc = crc32(crc, rest.data(), size(rest.size()));
-  return static_cast<std::uint32_t>(crc);
+  // The first 16 bytes hold the checksum itself: taken from a copy where it is zero.
+  std::array<std::uint8_t, 16> head{};
+  std::memcpy(head.data(), message.data(), head.size());
+  std::fill_n(head.begin() + kChecksumAt, 4, std::uint8_t{0});
+  return crc32(crc32(0, head), message.subspan(head.size()));
 }
 
 void seal(Bytes& message, std::int32_t attempt) {
@@ -109,22 +110,29 @@ void seal(Bytes& message, std::int32_t attempt) {
   write_word(message, kChecksumAt, checksum_of(message));
 }
 
-std::optional<Header> open_seal(ByteView message) {
-  if (message.size() < kHeaderEnd) return std::nullopt;
+Header header_of(ByteView message) {
   Header header;
   header.checksum = read_word<std::uint32_t>(message, kChecksumAt);
-  if (header.checksum != checksum_of(message)) return std::nullopt;
   header.run_id = read_word<std::uint64_t>(message, 12);
   header.sequence = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 20));
   header.macro_step = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 28));
   header.iteration = static_cast<std::int32_t>(read_word<std::uint32_t>(message, 36));
   header.kind = static_cast<Kind>(read_word<std::uint32_t>(message, 40));
   header.attempt = static_cast<std::int32_t>(read_word<std::uint32_t>(message, kAttemptAt));
-  const auto sender = read_word<std::uint32_t>(message, 48);
-  if (sender >= kProcesses) return std::nullopt;
-  header.sender = static_cast<Process>(sender);
+  header.sender = static_cast<Process>(read_word<std::uint32_t>(message, kSenderAt));
   header.time_us = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 52));
   return header;
+}
+
+std::optional<Header> open_seal(ByteView message) {
+  if (message.size() < kHeaderEnd) return std::nullopt;
+  if (read_word<std::uint32_t>(message, kChecksumAt) != checksum_of(message)) return std::nullopt;
+  if (read_word<std::uint32_t>(message, kSenderAt) >= kProcesses) return std::nullopt;
+  return header_of(message);
+}
+
+void set_checksum(Bytes& message, std::uint32_t checksum) {
+  write_word(message, kChecksumAt, checksum);
 }
 
 void patch_double(Bytes& message, std::size_t offset, double value) {

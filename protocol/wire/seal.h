@@ -64,6 +64,11 @@ void seal(Bytes& message, std::int32_t attempt = 0);
 /// messages are dropped here, before anything is decoded.
 [[nodiscard]] std::optional<Header> open_seal(ByteView message);
 
+/// The header of an encoded message, unchecked; the message has at least kHeaderEnd bytes and a
+/// valid sender.
+[[nodiscard]] Header header_of(ByteView message);
+void set_checksum(Bytes& message, std::uint32_t checksum);
+
 /// Overwrites one double (big endian, as lcm-gen writes it) of a not yet sealed message.
 void patch_double(Bytes& message, std::size_t offset, double value);
 

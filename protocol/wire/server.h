@@ -1,8 +1,10 @@
 #pragma once
 
+#include <type_traits>
 #include <utility>
 
 #include "protocol/wire/request_server.h"
+#include "protocol/wire/segment_memory.h"
 
 namespace tandem::wire {
 
@@ -12,37 +14,56 @@ template <class In, class Out>
 void serve(Subsystem<In, Out>& side, Bus& bus, LivenessMonitor& monitor,
            const ServerOptions& options) {
   constexpr bool kIsMbs = std::is_same_v<In, WrenchSet>;
-  const auto advance = [&](const Request& request, Reply& reply) {
-    StepRequest<In> step{.step = request.step, .input = {}, .linearize = request.linearize};
-    if constexpr (kIsMbs) {
-      step.input = request.wrenches;
-    } else {
-      step.input = request.motions;
+  SegmentMemory<In> memory;
+  StepRequest<In> step;
+  const auto advance = [&](Segment<In>& input, const Request& request, Reply& reply) {
+    step.step = request.step;
+    step.linearize = request.linearize;
+    std::swap(step.input, input);
+    const bool known = step.input.begin.empty();
+    if (known) memory.lend(step.input.begin);
+    if (step.input.begin.size() != step.input.end.size()) {
+      throw Error(ErrorKind::Partner, side.info().name +
+                                          ": the request has another number of ports at its "
+                                          "beginning than at its end");
     }
     StepResult<Out> result = side.advance(step);
+    if (known) memory.lend(step.input.begin);
+    memory.swap_given(step.input.end);
+    std::swap(step.input, input);  // keeps its memory for the next request
     reply.outcome = result.outcome;
     reply.message = std::move(result.message);
     reply.jacobian = std::move(result.jacobian);
     reply.solver_iterations = result.solver_iterations;
-    if constexpr (kIsMbs) {
-      reply.motions = std::move(result.output);
-    } else {
-      reply.wrenches = std::move(result.output);
-    }
+    return std::move(result.output);
   };
-  const auto execute = [&](const Request& request, Reply& reply) {
+  const auto execute = [&](Request& request, Reply& reply) {
     if (request.rollback_first) side.rollback();
-    if (request.checkpoint_first) side.checkpoint();
+    if (request.checkpoint_first) {
+      side.checkpoint();
+      memory.accept();
+    }
+    auto& input = [&]() -> Segment<In>& {
+      if constexpr (kIsMbs) {
+        return request.wrenches;
+      } else {
+        return request.motions;
+      }
+    }();
+    auto& output = [&]() -> Out& {
+      if constexpr (kIsMbs) {
+        return reply.motions;
+      } else {
+        return reply.wrenches;
+      }
+    }();
     switch (request.call) {
       case RequestKind::Initialize:
-        if constexpr (kIsMbs) {
-          reply.motions = side.initialize(request.wrenches.end);
-        } else {
-          reply.wrenches = side.initialize(request.motions.end);
-        }
+        output = side.initialize(input.end);
+        memory.swap_given(input.end);
         break;
       case RequestKind::Advance:
-        advance(request, reply);
+        output = advance(input, request, reply);
         break;
       case RequestKind::Observe:
         reply.observation = side.observe();

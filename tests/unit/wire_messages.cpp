@@ -295,13 +295,19 @@ TEST(WireMessages, AnotherMessageTypeIsRefused) {
   EXPECT_FALSE(decode_credit(encode(Alive{some_header(Kind::Alive), 1, ""})).has_value());
 }
 
+std::vector<Bytes> parts_of(Bytes message, std::int32_t attempt = 0) {
+  std::vector<Bytes> parts;
+  cut(message, attempt, [&parts](const Bytes& part) { parts.push_back(part); });
+  return parts;
+}
+
 TEST(WireChunks, ReassembleInAnyOrderWithRepetitions) {
   StepJournal journal = some_journal();
   journal.calls.resize(400, journal.calls.front());
   Bytes message = encode(some_header(Kind::Journal), journal);
   seal(message);
-  std::vector<Bytes> parts = cut(message);
-  for (const Bytes& part : cut(message, 1)) parts.push_back(part);
+  std::vector<Bytes> parts = parts_of(message);
+  for (const Bytes& part : parts_of(message, 1)) parts.push_back(part);
   ASSERT_GE(parts.size(), 8U);
   std::mt19937 random(11);
   for (int repetition = 0; repetition < 20; ++repetition) {
@@ -313,7 +319,7 @@ TEST(WireChunks, ReassembleInAnyOrderWithRepetitions) {
       ASSERT_TRUE(open_seal(part).has_value());
       if (const auto whole = assembler.add(*decode_chunk(part))) {
         ++completed;
-        EXPECT_EQ(*whole, message);
+        EXPECT_TRUE(std::equal(whole->begin(), whole->end(), message.begin(), message.end()));
       }
     }
     EXPECT_GE(completed, 1);
@@ -324,7 +330,8 @@ TEST(WireChunks, IllFittingChunksAreRefused) {
   Bytes message = encode(some_header(Kind::Journal), some_journal());
   message.resize(130000);
   seal(message);
-  const Chunk good = *decode_chunk(cut(message)[1]);
+  const Bytes second = parts_of(message)[1];
+  const Chunk good = *decode_chunk(second);
   const auto refused = [](const Chunk& chunk) {
     Assembler assembler;
     return !assembler.add(chunk).has_value();
@@ -338,7 +345,7 @@ TEST(WireChunks, IllFittingChunksAreRefused) {
     EXPECT_TRUE(refused(bad));
   }
   bad = good;
-  bad.bytes.pop_back();
+  bad.bytes = good.bytes.first(good.bytes.size() - 1);
   EXPECT_TRUE(refused(bad));
 }
 
