@@ -11,6 +11,6 @@ namespace tandem::orchestrator {
 ///   rows: [{mesh, case, nodes, elements, threads, solver, step_ms: {median, p95},
 ///           phases_ms: {elements, factorize, solve, other}, iterations_mean, error_max,
 ///           real_time_ratio, setup_ms}]
-void add_bench(CLI::App& app);
+void add_bench_fem(CLI::App& bench);
 
 }  // namespace tandem::orchestrator

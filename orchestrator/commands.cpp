@@ -1,6 +1,5 @@
 #include "orchestrator/commands.h"
 
-#include "orchestrator/bench_fem_command.h"
 #include "orchestrator/fem_command.h"
 
 namespace tandem::orchestrator {

@@ -25,6 +25,7 @@ wire::BusOptions bus_options(const WireParams& params, std::uint64_t run_id) {
   options.run_id = run_id;
   options.port = wire::free_port();
   options.ttl = static_cast<int>(params.ttl);
+  options.receive = params.receive;
   return options;
 }
 

@@ -103,11 +103,12 @@ void send_datagrams(int fd, std::uint32_t number, std::vector<char>& payload,
   }
 }
 
-/// All bytes of the ping that `number` names on return; parts of earlier ones are passed over.
-bool receive_datagrams(int fd, std::uint32_t& number, bool follow, std::vector<char>& payload,
-                       sockaddr_in* from) {
+/// All `wanted` bytes of the ping that `number` names on return; parts of earlier ones are passed
+/// over. `payload` has room for one datagram more.
+bool receive_datagrams(int fd, std::uint32_t& number, bool follow, std::size_t wanted,
+                       std::vector<char>& payload, sockaddr_in* from) {
   std::size_t here = 0;
-  while (here < payload.size()) {
+  while (here < wanted) {
     socklen_t address_size = sizeof(sockaddr_in);
     const ssize_t size =
         recvfrom(fd, payload.data() + here, payload.size() - here, 0,
@@ -137,11 +138,12 @@ void answer_tcp(int listener, PingPongSizes sizes) {
 }
 
 void answer_udp(int fd, PingPongSizes sizes) {
-  std::vector<char> in(sizes.there);
+  std::vector<char> in(sizes.there + kDatagram);
   std::vector<char> out(sizes.back);
   std::uint32_t number = 0;
   sockaddr_in from{};
-  while (receive_datagrams(fd, number, true, in, &from)) send_datagrams(fd, number, out, &from);
+  while (receive_datagrams(fd, number, true, sizes.there, in, &from))
+    send_datagrams(fd, number, out, &from);
 }
 
 }  // namespace
@@ -169,7 +171,7 @@ PingPong::PingPong(const PingPongSockets& sockets, PingPongSizes sizes)
       tcp_(connected_socket(SOCK_STREAM, sockets.tcp_port())),
       udp_(connected_socket(SOCK_DGRAM, sockets.udp_port())),
       out_(sizes.there),
-      in_(sizes.back) {
+      in_(sizes.back + kDatagram) {
   const timeval patience{1, 0};
   setsockopt(udp_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
 }
@@ -183,7 +185,7 @@ std::vector<double> PingPong::tcp_us(int count) {
   std::vector<double> times_us;
   for (int i = 0; i < count; ++i) {
     const double begin_s = now_s();
-    if (!write_all(tcp_, out_.data(), out_.size()) || !read_all(tcp_, in_.data(), in_.size())) {
+    if (!write_all(tcp_, out_.data(), out_.size()) || !read_all(tcp_, in_.data(), sizes_.back)) {
       fail("TCP over 127.0.0.1");
     }
     times_us.push_back(1e6 * (now_s() - begin_s));
@@ -198,7 +200,7 @@ std::vector<double> PingPong::udp_us(int count) {
     ++number_;
     const double begin_s = now_s();
     send_datagrams(udp_, number_, out_, nullptr);
-    if (receive_datagrams(udp_, number_, false, in_, nullptr)) {
+    if (receive_datagrams(udp_, number_, false, sizes_.back, in_, nullptr)) {
       times_us.push_back(1e6 * (now_s() - begin_s));
     } else {
       ++lost;

@@ -102,11 +102,13 @@ int join_run(const SideProgram& program, const Options& options,
   bus_options.run_id = parse_run_id(options.run_id_hex);
   bus_options.port = options.port;
   bus_options.ttl = static_cast<int>(params.ttl);
+  bus_options.receive = params.receive;
+  const wire::Process driver =
+      params.driver == DriverPlace::Mbs ? wire::Process::Mbs : wire::Process::Orchestrator;
+  place_process(params.placement, program.self, driver, bus_options.run_id);
   wire::Bus bus(bus_options);
   try {
     wire::Heartbeat heartbeat(bus, params.timeout_s);
-    const wire::Process driver =
-        params.driver == DriverPlace::Mbs ? wire::Process::Mbs : wire::Process::Orchestrator;
     const std::vector<wire::Process> partners = partners_of(program, driver);
     await(partners, bus, heartbeat, params.start_timeout_s, options.parent_pid);
     wire::LivenessMonitor monitor(bus, partners, params.timeout_s, options.parent_pid);

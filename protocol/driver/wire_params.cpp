@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <utility>
 
 namespace tandem {
@@ -35,9 +36,27 @@ scenario::Key wire_keys() {
                "Time to live of the multicast datagrams: 0 keeps them on this host, 1 lets them "
                "reach other hosts of the subnet.")
            .between(0, 255)
-           .by_default(std::to_string(d.ttl))}};
+           .by_default(std::to_string(d.ttl)),
+       choice("receive", {"own", "lcm"})
+           .doc_is("How a process listens: own reads LCM's datagrams in the thread that waits for "
+                   "them, lcm goes through liblcm's receive thread. The same bits, more time.")
+           .by_default("own"),
+       choice("placement", {"free", "same", "cross"})
+           .doc_is("Cores of the two sides, which compute in turn: free leaves them to the kernel, "
+                   "same binds both to one core (the cheapest exchange; for sides of one thread), "
+                   "cross each to a core of its own.")
+           .by_default("free")}};
   return scenario::section("wire", std::move(content)).by_default("{}");
 }
+
+namespace {
+
+Placement placement_of(const std::string& name) {
+  if (name == "same") return Placement::Same;
+  return name == "cross" ? Placement::Cross : Placement::Free;
+}
+
+}  // namespace
 
 WireParams read_wire(const scenario::Node& root) {
   const scenario::Node node = root.section("wire");
@@ -47,6 +66,8 @@ WireParams read_wire(const scenario::Node& root) {
       .start_timeout_s = node.real("start_timeout_s"),
       .credit_window = node.integer("credit_window"),
       .ttl = node.integer("ttl"),
+      .receive = node.text("receive") == "lcm" ? wire::Receive::Lcm : wire::Receive::Own,
+      .placement = placement_of(node.text("placement")),
   };
 }
 

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 
+#include "protocol/driver/placement.h"
 #include "protocol/scenario/key_table.h"
 #include "protocol/scenario/node.h"
+#include "protocol/wire/receiver.h"
 
 namespace tandem {
 
@@ -20,6 +22,8 @@ struct WireParams {
   double start_timeout_s = 20.0;    ///< for all processes to be ready
   std::int64_t credit_window = 64;  ///< macro steps the driver may be ahead of the recorder
   std::int64_t ttl = 0;             ///< of the multicast datagrams; 0 = this host only
+  wire::Receive receive = wire::Receive::Own;
+  Placement placement = Placement::Free;
 };
 
 [[nodiscard]] scenario::Key wire_keys();

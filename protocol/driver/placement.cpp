@@ -1,0 +1,52 @@
+#include "protocol/driver/placement.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+#include <vector>
+
+#include "protocol/contract/error.h"
+
+namespace tandem {
+namespace {
+
+std::vector<std::size_t> usable_cores() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<std::size_t> cores;
+  if (sched_getaffinity(0, sizeof(set), &set) != 0) return cores;
+  for (std::size_t core = 0; core < CPU_SETSIZE; ++core) {
+    if (CPU_ISSET(core, &set)) cores.push_back(core);
+  }
+  return cores;
+}
+
+void bind_to(const std::vector<std::size_t>& cores) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const std::size_t core : cores) CPU_SET(core, &set);
+  sched_setaffinity(0, sizeof(set), &set);  // a refusal leaves the process free: slower, not wrong
+}
+
+}  // namespace
+
+void place_process(Placement placement, wire::Process self, wire::Process driver,
+                   std::uint64_t run_id) {
+  if (placement == Placement::Free) return;
+  const std::vector<std::size_t> cores = usable_cores();
+  require(placement == Placement::Same || cores.size() > 1,
+          "wire.placement: cross needs two cores; this process may use one. Choose same or free.");
+  if (cores.empty()) return;
+  const std::size_t first = run_id % cores.size();
+  const std::size_t second = (first + (placement == Placement::Cross ? 1 : 0)) % cores.size();
+  if (self == driver) return bind_to({cores[first]});
+  if (self != wire::Process::Orchestrator) return bind_to({cores[second]});
+  std::vector<std::size_t> others;
+  std::copy_if(cores.begin(), cores.end(), std::back_inserter(others),
+               [&](std::size_t core) { return core != cores[first] && core != cores[second]; });
+  if (!others.empty()) bind_to(others);
+}
+
+}  // namespace tandem

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+
+#include "protocol/wire/seal.h"
+
+namespace tandem {
+
+/// Cores of the two sides, which compute in turn.
+enum class Placement {
+  Free,   ///< as the kernel decides
+  Same,   ///< both on one core: no wake-up of another core in an exchange
+  Cross,  ///< each on a core of its own
+};
+
+/// Binds the calling process, and the threads that it will start, to its cores of the run, out of
+/// those that it may use now. The processes that alternate are the driver and the sides it calls:
+///   same    all of them on one core; an orchestrator that only records on the others
+///   cross   the driver on one core, the sides it calls on another
+/// `run_id` picks the cores, so that runs at the same time spread. Throws tandem::Error (Usage)
+/// when Cross finds one core only.
+void place_process(Placement placement, wire::Process self, wire::Process driver,
+                   std::uint64_t run_id);
+
+}  // namespace tandem
