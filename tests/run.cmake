@@ -15,6 +15,7 @@ endfunction()
 
 tandem_run_test(run_report process/run_report.cpp process)
 tandem_run_test(run_same_bits process/run_same_bits.cpp "process;equivalence")
+tandem_run_test(run_bench process/run_bench.cpp process)
 tandem_run_test(run_environment process/run_environment.cpp process)
 tandem_run_test(run_failures process/run_failures.cpp process)
 tandem_run_test(run_input process/run_input.cpp process)

@@ -24,19 +24,28 @@ Environment faults_of(int percent) {
           {"TANDEM_FAULT_REORDER_PERCENT", std::to_string(percent)}};
 }
 
-class WireFaults : public testing::TestWithParam<int> {
+struct Wire {
+  int percent;          ///< of the datagrams: lost, and as many doubled, and as many reordered
+  std::string receive;  ///< own or lcm
+};
+void PrintTo(const Wire& wire, std::ostream* out) {
+  *out << wire.percent << "_percent_" << wire.receive;
+}
+
+class WireFaults : public testing::TestWithParam<Wire> {
  protected:
   // At 20 % every second exchange waits for a time-out or two.
-  static int steps() { return GetParam() < 20 ? 60 : 12; }
+  static int steps() { return GetParam().percent < 20 ? 60 : 12; }
+  static std::string receive() { return "receive=" + GetParam().receive; }
 };
 
 // 3 advances a step; checkpoints and rollbacks as in drive(): all values would differ
 // if one of them were made twice, left out or made out of order.
 TEST_P(WireFaults, EveryCallIsMadeExactlyOnce) {
   PeerRun run;
-  run.faults = faults_of(GetParam());
-  const auto fem = run.start("fem");
-  const auto mbs = run.start("mbs", {"steps=" + std::to_string(steps()), "k=3"});
+  run.faults = faults_of(GetParam().percent);
+  const auto fem = run.start("fem", {receive()});
+  const auto mbs = run.start("mbs", {"steps=" + std::to_string(steps()), "k=3", receive()});
   ASSERT_EQ(mbs->wait(60.0), 0) << mbs->output();
   ASSERT_EQ(fem->wait(5.0), 0) << fem->output();
   test::CountingFem local;
@@ -44,7 +53,7 @@ TEST_P(WireFaults, EveryCallIsMadeExactlyOnce) {
   EXPECT_EQ(fem->value("advances"), std::to_string(3 * steps()));
   EXPECT_EQ(fem->value("checkpoints"), std::to_string(steps() + 1));
   EXPECT_EQ(fem->value("rollbacks"), std::to_string(2 * steps()));
-  if (GetParam() >= 5) {
+  if (GetParam().percent >= 5) {
     EXPECT_GT(std::stoi(mbs->value("resent")), 0);
     EXPECT_GT(std::stoi(mbs->value("duplicates")), 0);
   }
@@ -53,9 +62,9 @@ TEST_P(WireFaults, EveryCallIsMadeExactlyOnce) {
 // 70 ports: requests of 14.6 kB and Jacobians of 2.8 MB, which travel in 48 chunks.
 TEST_P(WireFaults, JacobiansInManyChunksArriveWhole) {
   PeerRun run;
-  run.faults = faults_of(GetParam());
-  const auto fem = run.start("fem", {"ports=70"});
-  const auto mbs = run.start("mbs", {"ports=70", "steps=4", "k=2"});
+  run.faults = faults_of(GetParam().percent);
+  const auto fem = run.start("fem", {"ports=70", receive()});
+  const auto mbs = run.start("mbs", {"ports=70", "steps=4", "k=2", receive()});
   ASSERT_EQ(mbs->wait(60.0), 0) << mbs->output();
   ASSERT_EQ(fem->wait(5.0), 0) << fem->output();
   test::CountingFem local(70);
@@ -67,10 +76,11 @@ TEST_P(WireFaults, TheLogHoldsEveryMacroStepInOrder) {
   const auto file = std::filesystem::path(testing::TempDir()) /
                     ("wire_faults_" + std::to_string(getpid()) + ".lcm");
   PeerRun run;
-  run.faults = faults_of(GetParam());
-  const auto orchestrator = run.start("orchestrator", {"window=8", "log=" + file.string()});
-  const auto fem = run.start("fem", {"window=8"});
-  const auto mbs = run.start("mbs", {"window=8", "steps=" + std::to_string(steps())});
+  run.faults = faults_of(GetParam().percent);
+  const auto orchestrator =
+      run.start("orchestrator", {"window=8", "log=" + file.string(), receive()});
+  const auto fem = run.start("fem", {"window=8", receive()});
+  const auto mbs = run.start("mbs", {"window=8", "steps=" + std::to_string(steps()), receive()});
   ASSERT_EQ(mbs->wait(60.0), 0) << mbs->output();
   ASSERT_EQ(fem->wait(5.0), 0) << fem->output();
   ASSERT_EQ(orchestrator->wait(5.0), 0) << orchestrator->output();
@@ -94,7 +104,9 @@ TEST_P(WireFaults, TheLogHoldsEveryMacroStepInOrder) {
   std::filesystem::remove(file);
 }
 
-INSTANTIATE_TEST_SUITE_P(Percent, WireFaults, testing::Values(0, 1, 5, 20));
+INSTANTIATE_TEST_SUITE_P(Percent, WireFaults,
+                         testing::Values(Wire{0, "own"}, Wire{1, "own"}, Wire{5, "own"},
+                                         Wire{20, "own"}, Wire{0, "lcm"}, Wire{5, "lcm"}));
 
 TEST(WireFaultKinds, FlippedBitsAreDroppedAndRepaired) {
   PeerRun run;

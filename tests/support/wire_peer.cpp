@@ -37,7 +37,8 @@ struct Arguments {
 BusOptions bus_options(const Arguments& arguments, Process self) {
   return {.self = self,
           .run_id = std::stoull(arguments.text("run", "1")),
-          .port = arguments.integer("port", 0)};
+          .port = arguments.integer("port", 0),
+          .receive = arguments.text("receive", "own") == "lcm" ? Receive::Lcm : Receive::Own};
 }
 
 std::vector<Process> partners(const Arguments& arguments, Process other) {

@@ -1,10 +1,19 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+#include <zlib.h>
 
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <random>
+#include <tandem_wire/request_t.hpp>
 
+#include "protocol/wire/channel_filter.h"
 #include "protocol/wire/chunks.h"
+#include "protocol/wire/crc32.h"
 #include "protocol/wire/messages.h"
 #include "tests/support/wire_mock_sides.h"
 
@@ -293,6 +302,83 @@ TEST(WireMessages, HugeAndNegativeCountsAreRefusedBeforeMemoryIsTaken) {
 TEST(WireMessages, AnotherMessageTypeIsRefused) {
   EXPECT_FALSE(decode_request(encode(some_reply())).has_value());
   EXPECT_FALSE(decode_credit(encode(Alive{some_header(Kind::Alive), 1, ""})).has_value());
+}
+
+// Arrays are written without lcm-gen's code; whoever decodes with it must find the same numbers.
+TEST(WireMessages, ArraysLieAsTheGeneratedCodeLaysThem) {
+  Request request;
+  request.header = some_header(Kind::Request);
+  request.call = RequestKind::Advance;
+  request.motions.begin = {Motion{.p_WP = {1.0, -0.0, 3.0}}, Motion{.v_WP = {1e300, -2.0, 0.25}}};
+  request.motions.end = {Motion{.q_WP = Eigen::Quaterniond(0.125, 0.25, 0.375, 0.5)}};
+  request.wrenches.end = {Wrench{.f_P_W = {7.0, 8.0, 9.0}, .t_P_W = {-1.0, -2.0, -3.0}}};
+  const Bytes message = encode(request);
+
+  tandem_wire::request_t generated;
+  const int size = static_cast<int>(message.size());
+  ASSERT_EQ(generated.decode(message.data(), 0, size), size);
+  ASSERT_EQ(generated.motions_begin.size(), 2U);
+  EXPECT_EQ(generated.motions_begin[0].p_WP_m[2], 3.0);
+  EXPECT_TRUE(std::signbit(generated.motions_begin[0].p_WP_m[1]));
+  EXPECT_EQ(generated.motions_begin[1].v_WP_m_per_s[0], 1e300);
+  ASSERT_EQ(generated.motions_end.size(), 1U);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(generated.motions_end[0].q_WP_wxyz[i], 0.125 * (i + 1));
+  ASSERT_EQ(generated.wrenches_end.size(), 1U);
+  EXPECT_EQ(generated.wrenches_end[0].f_P_W_N[1], 8.0);
+  EXPECT_EQ(generated.wrenches_end[0].t_P_W_Nm[2], -3.0);
+
+  Bytes encoded(message.size());
+  ASSERT_EQ(generated.encode(encoded.data(), 0, size), size);
+  EXPECT_EQ(encoded, message);
+}
+
+// Reference: zlib. All lengths around the 64-byte blocks and the 16-byte lanes, all alignments.
+TEST(WireChecksum, IsThatOfZlibForEveryLengthAndAlignment) {
+  std::mt19937 random(3);
+  Bytes bytes(70000);
+  for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(random());
+  const auto check = [&bytes](std::size_t at, std::size_t size, std::uint32_t start) {
+    EXPECT_EQ(crc32(start, ByteView(bytes).subspan(at, size)),
+              ::crc32_z(start, bytes.data() + at, size))
+        << at << " " << size;
+  };
+  for (std::size_t size = 0; size < 300; ++size) check(size % 16, size, size % 2 == 0 ? 0 : 12345U);
+  for (std::size_t at = 0; at < 16; ++at) check(at, 60000 + at, 0xdeadbeefU);
+}
+
+/// The kernel's answer: how many of the sent messages a filtered socket lets through.
+TEST(WireFilter, PassesWantedChannelsAndOtherProgramsAlone) {
+  ChannelFilter filter{.prefix = "TANDEM_0000000000000001_",
+                       .channels = {"TANDEM_0000000000000001_fem_reply",
+                                    "TANDEM_0000000000000001_orchestrator_credit"}};
+  const std::vector<sock_filter> steps = compile(filter);
+  const sock_fprog program{static_cast<unsigned short>(steps.size()),
+                           const_cast<sock_filter*>(steps.data())};
+  const int receiver = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof(address);
+  ASSERT_EQ(bind(receiver, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(getsockname(receiver, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  ASSERT_EQ(setsockopt(receiver, SOL_SOCKET, SO_ATTACH_FILTER, &program, sizeof(program)), 0);
+  const int sender = socket(AF_INET, SOCK_DGRAM, 0);
+  const auto passes = [&](const std::string& channel) {
+    const std::string message = "LC02" + std::string(4, 'n') + channel + '\0' + "payload";
+    sendto(sender, message.data(), message.size(), 0, reinterpret_cast<sockaddr*>(&address), size);
+    char byte = 0;
+    return recv(receiver, &byte, 1, MSG_DONTWAIT) > 0;
+  };
+  EXPECT_TRUE(passes("TANDEM_0000000000000001_fem_reply"));
+  EXPECT_TRUE(passes("TANDEM_0000000000000001_orchestrator_credit"));
+  EXPECT_TRUE(passes("TANDEM_0000000000000002_fem_request"));
+  EXPECT_TRUE(passes("ANOTHER_PROGRAM_WITH_A_LONG_CHANNEL"));
+  EXPECT_FALSE(passes("TANDEM_0000000000000001_fem_request"));
+  EXPECT_FALSE(passes("TANDEM_0000000000000001_fem_repl"));
+  EXPECT_FALSE(passes("TANDEM_0000000000000001_fem_replys"));
+  EXPECT_FALSE(passes("TANDEM_0000000000000001_orchestrator_journal"));
+  close(sender);
+  close(receiver);
 }
 
 std::vector<Bytes> parts_of(Bytes message, std::int32_t attempt = 0) {
