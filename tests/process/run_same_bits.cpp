@@ -127,6 +127,18 @@ TEST_P(SameBits, WithAnyProcessSlowed) {
   expect_same("orchestrator", {"--driver", "orchestrator"}, slowed("tandem"));
 }
 
+// Second-order tetrahedra of two materials, one of them orthotropic.
+class SameBitsOfTheSandwich : public SameBits {};
+
+TEST_P(SameBitsOfTheSandwich, OverLcmAsInOneProcess) {
+  EXPECT_EQ(expected_.code, 0) << expected_.output;
+  expect_same("lcm", {"--transport", "lcm"});
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, SameBitsOfTheSandwich,
+                         testing::Values(Case{"sandwich", "interface_jacobian", "pcg"},
+                                         Case{"sandwich", "interface_jacobian", "cholmod"}));
+
 std::vector<Case> all_cases() {
   std::vector<Case> cases;
   for (const char* example : {TANDEM_EXAMPLES}) {
