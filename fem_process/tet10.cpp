@@ -92,21 +92,24 @@ Eigen::Matrix<double, 10, 3> tet10_positions(const TetMesh& mesh, std::size_t el
   return X;
 }
 
-double smallest_jacobian(const TetMesh& mesh, std::size_t element) {
-  const Eigen::Matrix<double, 10, 3> X = tet10_positions(mesh, element);
-  const double straight = 6.0 * signed_volume(mesh, mesh.tets[element]);
-  double smallest = 1.0;
-  const auto look = [&](const Eigen::Vector4d& L) {
-    const double jacobian = (X.transpose() * tet10_derivatives(L)).determinant();
-    smallest = std::min(smallest, jacobian / straight);
+SmallestJacobian smallest_jacobian(const Eigen::Matrix<double, 10, 3>& X) {
+  const double straight = (X.middleRows<3>(1).rowwise() - X.row(0)).determinant();
+  const auto relative = [&](const Eigen::Vector4d& L) {
+    return (X.transpose() * tet10_derivatives(L)).determinant() / straight;
   };
-  for (int k = 0; k < 4; ++k) look(Eigen::Vector4d::Unit(k));
-  for (const auto& edge : kTetEdges) {
-    look(0.5 * (Eigen::Vector4d::Unit(static_cast<Eigen::Index>(edge[0])) +
-                Eigen::Vector4d::Unit(static_cast<Eigen::Index>(edge[1]))));
+  SmallestJacobian smallest;
+  for (const TetPoint& point : tet_rule_of_degree_2()) {
+    smallest.at_points = std::min(smallest.at_points, relative(point.L));
   }
-  for (const TetPoint& point : tet_rule_of_degree_2()) look(point.L);
-  for (const TetPoint& point : tet_rule_of_degree_5()) look(point.L);
+  for (int k = 0; k < 4; ++k) {
+    smallest.at_nodes = std::min(smallest.at_nodes, relative(Eigen::Vector4d::Unit(k)));
+  }
+  for (const auto& edge : kTetEdges) {
+    const Eigen::Vector4d middle =
+        0.5 * (Eigen::Vector4d::Unit(static_cast<Eigen::Index>(edge[0])) +
+               Eigen::Vector4d::Unit(static_cast<Eigen::Index>(edge[1])));
+    smallest.at_nodes = std::min(smallest.at_nodes, relative(middle));
+  }
   return smallest;
 }
 

@@ -37,8 +37,12 @@ struct TetPoint {
 [[nodiscard]] Eigen::Matrix<double, 10, 3> tet10_positions(const TetMesh& mesh,
                                                            std::size_t element);
 
-/// Smallest Jacobian at the nodes and integration points, relative to that of the straight tet on
-/// the element's corners: 1 when the mid nodes are in the middle of straight edges.
-[[nodiscard]] double smallest_jacobian(const TetMesh& mesh, std::size_t element);
+/// Smallest Jacobians of an element of ten nodes (rows), relative to that of the straight tet on
+/// its corners: 1 when the mid nodes are in the middle of straight edges.
+struct SmallestJacobian {
+  double at_points = 1.0;  ///< of the rule of degree 2
+  double at_nodes = 1.0;
+};
+[[nodiscard]] SmallestJacobian smallest_jacobian(const Eigen::Matrix<double, 10, 3>& X);
 
 }  // namespace tandem::fem

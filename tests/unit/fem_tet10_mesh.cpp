@@ -170,16 +170,32 @@ TEST(FemTet10Mesh, CurvedTriangleHasTheAreaOfItsParametricSurface) {
 
 TEST(FemTet10MeshDefects, WrongOrderOfMidNodesIsFound) {
   // Gmsh's order given to Abaqus, and the reverse.
-  EXPECT_NE(error_of("order.inp", replaced(kInp, "13, 15, 14", "13, 14, 15"))
-                .find("order.inp:13: element 3 is folded"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of("order.inp", replaced(kInp, "13, 15, 14", "13, 14, 15"))
+          .find("order.inp:13: element 3 has the mid nodes of its edges 2-4 and 3-4 exchanged"),
+      std::string::npos);
   EXPECT_NE(error_of("order.msh", replaced(kMsh, "13 14 15\n$End", "13 15 14\n$End"))
-                .find("element 3 is folded"),
+                .find("element 3 has the mid nodes of its edges 2-4 and 3-4 exchanged"),
+            std::string::npos);
+  // Any other order.
+  EXPECT_NE(error_of("other.inp", replaced(kInp, "10, 11, 12,\n", "12, 10, 11,\n"))
+                .find("other.inp:13: element 3 is folded"),
             std::string::npos);
 }
 
+// A crack-tip element: its Jacobian is zero at a corner, nowhere else.
+TEST(FemTet10Mesh, QuarterPointElementsAreAccepted) {
+  EXPECT_TRUE(read("quarter.inp", replaced(kInp, "10, 0.5, 0, 0", "10, 0.25, 0, 0")).notes.empty());
+}
+
+TEST(FemTet10Mesh, FoldAtANodeAloneIsNoted) {
+  const TetMesh mesh = read("node.inp", replaced(kInp, "10, 0.5, 0, 0", "10, 0.8, 0, 0"));
+  ASSERT_EQ(mesh.notes.size(), 1U);
+  EXPECT_NE(mesh.notes[0].find("line 13: element 3 is folded at a node"), std::string::npos);
+}
+
 TEST(FemTet10MeshDefects, MidNodeFarOffItsEdge) {
-  const std::string text = replaced(kInp, "10, 0.5, 0, 0", "10, 0.8, 0, 0");
+  const std::string text = replaced(kInp, "10, 0.5, 0, 0", "10, 1.2, 0, 0");
   EXPECT_NE(error_of("far.inp", text).find("far.inp:13: element 3 is folded"), std::string::npos);
 }
 
