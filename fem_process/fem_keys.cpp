@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fem_process/analysis_keys.h"
+#include "fem_process/ancf/ancf_keys.h"
 #include "fem_process/material_keys.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
@@ -298,7 +299,10 @@ std::vector<SetName> read_sets(const Node& node, const char* key) {
 Key fem_keys() {
   Section fem;
   fem.title = "Flexible body";
-  fem.doc = "A finite-element body whose port nodes follow the ports rigidly.";
+  fem.doc =
+      "A finite-element body whose port nodes follow the ports rigidly, or beams in contact with "
+      "the "
+      "ports' bodies.";
   fem.keys = {
       mesh_key(),
       material_key(),
@@ -332,7 +336,24 @@ Key fem_keys() {
           "Node sets whose mean motion is written to the results."),
       analysis_keys(),
   };
-  fem.check = check_materials;
+  fem.check = [](const Node& node) {
+    if (node.text("model") == "solid") check_materials(node);
+  };
+  for (Key& key : fem.keys) {
+    const bool common =
+        key.name == "micro_step_s" || key.name == "gravity_m_per_s2" || key.name == "analysis";
+    if (!common) key.only_when("model", {"solid"});
+  }
+  fem.keys.insert(
+      fem.keys.begin(),
+      scenario::choice("model", {"solid", "ancf"})
+          .by_default("solid")
+          .doc_is("A meshed solid body, or beams in absolute nodal coordinates: chains, tracks, "
+                  "belts."));
+  fem.keys.push_back(ancf::ancf_keys()
+                         .must()
+                         .only_when("model", {"ancf"})
+                         .doc_is("Beams in absolute nodal coordinates."));
   return scenario::section("fem", std::move(fem)).must().doc_is("The flexible side.");
 }
 
@@ -368,6 +389,8 @@ Params read_params(const Node& root) {
   params.initial_velocity = read_initial_velocity(fem.section("initial_velocity"));
   if (!root.has("ports")) return params;
   for (const scenario::PortParams& port : scenario::read_ports(root)) {
+    require(!port.node_set.empty(), port.place.text() + ": port '" + port.name +
+                                        "' needs node_set: the nodes of the mesh that follow it.");
     PortSet set{.name = port.name, .set = {port.node_set, port.place}, .p_WP = std::nullopt};
     if (!port.at_body_frame) set.p_WP = port.p_WP;
     params.ports.push_back(std::move(set));

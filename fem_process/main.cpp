@@ -1,7 +1,7 @@
 // tandem-fem: the flexible-body process. Serves the process that runs the scheme.
 
 #include "fem_process/fem_keys.h"
-#include "fem_process/make_side.h"
+#include "fem_process/make_model.h"
 #include "protocol/driver/side_process.h"
 
 int main(int argc, char** argv) {
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
       .description = "Flexible-body process of a coupled run: co-rotational finite elements.",
       .keys = fem::fem_keys()};
   return run_side_process(program, argc, argv, [](SideContext& context) {
-    const auto side = fem::make_side(context.scenario.root, context.directory);
+    const auto side = fem::make_model(context.scenario.root, context.directory);
     serve_side(context, *side);
     return 0;
   });

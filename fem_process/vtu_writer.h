@@ -3,11 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "fem_process/model.h"
 #include "fem_process/state.h"
+#include "fem_process/vtk_xml.h"
 
 namespace tandem::fem {
 
@@ -25,14 +24,8 @@ class VtuWriter {
   void write(const State& state);
 
  private:
-  void write_pvd() const;
-
   const Model& model_;
-  std::filesystem::path folder_;
-  std::string name_;
-  std::int64_t every_steps_;
-  std::int64_t seen_ = 0;
-  std::vector<std::pair<double, std::string>> written_;  // time (s), file name
+  VtuSeries series_;
 };
 
 /// One state as the text of a .vtu file.

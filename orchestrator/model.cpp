@@ -1,6 +1,6 @@
 #include "orchestrator/model.h"
 
-#include "fem_process/make_side.h"
+#include "fem_process/make_model.h"
 #include "fem_process/mesh.h"
 #include "mbs_process/make_side.h"
 #include "orchestrator/scenario_table.h"
@@ -43,7 +43,7 @@ std::unique_ptr<MbsSide> make_mbs(const Model& model, const std::filesystem::pat
 }
 
 std::unique_ptr<FemSide> make_fem(const Model& model, const std::filesystem::path& directory) {
-  return fem::make_side(model.scenario.root, directory);
+  return fem::make_model(model.scenario.root, directory);
 }
 
 }  // namespace tandem::orchestrator

@@ -41,6 +41,10 @@ struct BeamMaterial {
   [[nodiscard]] static BeamMaterial from_young(ElasticLaw law, double young_Pa, double poisson);
 };
 
+/// Stretch across a bar of this material, stretched along by `stretch`, that leaves its sides free
+/// of stress.
+[[nodiscard]] double lateral_stretch(const BeamMaterial& material, double stretch);
+
 /// The stress of a material point: sum of
 ///   neo-Hookean       P = μ J^(−2/3) (F − (tr FᵀF / 3) F⁻ᵀ) + k (J − 1) J F⁻ᵀ
 ///   quadratic in E    P = F S,  S = trace tr(E) I + full E + normal diag(E)

@@ -73,8 +73,9 @@ Key ports_keys() {
       name("name").must().doc_is("Name of the port in logs, errors and result files."),
       name("body").must().doc_is("Rigid body of the multibody side that carries the port."),
       text("node_set")
-          .must()
-          .doc_is("Node set (physical group) of the mesh that is attached to the port."),
+          .doc_is("Node set (physical group) of the mesh that is attached to the port; left out "
+                  "where the "
+                  "port's body is felt by contact alone (fem.model: ancf)."),
       reals("position_m", "m")
           .count(3)
           .doc_is("Position p_WP of the port's origin at t = 0 in world axes; left out: the port "
@@ -99,7 +100,7 @@ std::vector<PortParams> read_ports(const Node& root) {
     PortParams port;
     port.name = node.text("name");
     port.body = node.text("body");
-    port.node_set = node.text("node_set");
+    if (node.has("node_set")) port.node_set = node.text("node_set");
     port.q_WP = node.quaternion_wxyz("orientation_wxyz");
     port.at_body_frame = !node.has("position_m");
     if (!port.at_body_frame) port.p_WP = node.vector3("position_m");

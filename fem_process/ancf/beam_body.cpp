@@ -1,0 +1,181 @@
+#include "fem_process/ancf/beam_body.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <utility>
+
+#include "protocol/contract/error.h"
+
+namespace tandem::fem::ancf {
+namespace {
+
+std::string at_time(SimTime time) {
+  return fmt::format("fem: at t = {:.9g} s: ", to_seconds(time));
+}
+
+}  // namespace
+
+BeamBody::BeamBody(BeamParams params)
+    : params_(std::move(params)),
+      system_(params_.model),
+      contact_(system_.mesh(), params_.model.section, params_.wheels, params_.grounds,
+               params_.grid),
+      step_(system_, contact_, params_.step) {
+  check_teeth(params_);
+  info_.name = "fem";
+  for (const std::string& name : params_.ports) info_.ports.push_back({name, 0.0});
+  for (const Wheel& wheel : params_.wheels) {
+    info_.ports[static_cast<std::size_t>(wheel.port)].length_m = wheel.radius_m;
+  }
+  info_.micro_step = params_.micro_step;
+}
+
+WrenchSet BeamBody::initialize(const MotionSet& motions) {
+  require(motions.size() == params_.ports.size(),
+          fmt::format("fem: initialize: {} motions for {} ports.", motions.size(),
+                      params_.ports.size()));
+  require(all_finite(motions), "fem: initialize: the port motions must be finite.");
+  check_overlap(params_, motions);
+  now_ = {};
+  now_.motions = motions;
+  BeamState& state = now_.state;
+  state.q = system_.mesh().q0;
+  state.v = state.a = state.A = Eigen::VectorXd::Zero(state.q.size());
+  if (params_.settle.duration > SimTime{}) {
+    settle(motions);
+  } else {
+    set_velocities();
+  }
+  if (!step_.balance(motions, state, now_.sums)) {
+    throw Error(ErrorKind::NotSolved,
+                at_time({}) +
+                    "the accelerations at the start cannot be computed: an element is "
+                    "turned inside out, or the mass matrix is singular.");
+  }
+  initialized_ = true;
+  saved_ = now_;
+  return now_.sums.wheels;
+}
+
+void BeamBody::settle(const MotionSet& motions) {
+  MotionSet held = motions;
+  for (Motion& motion : held) {
+    motion.v_WP.setZero();
+    motion.w_WP.setZero();
+  }
+  StepParams damped = params_.step;
+  damped.mass_damping_per_s = params_.settle.mass_damping_per_s;
+  damped.friction = false;
+  const BeamStep step(system_, contact_, damped);
+  BeamState& state = now_.state;
+  while (state.time < params_.settle.duration) {
+    BeamStep::Result next = step.advance(state, {held, held}, params_.settle.step);
+    if (next.outcome != Outcome::Done) {
+      throw Error(ErrorKind::NotSolved,
+                  fmt::format("fem: settling, {:.4g} s after its start: {} Shorten "
+                              "fem.ancf.settle.step_s, or raise its mass_damping_per_s.",
+                              to_seconds(state.time), next.message));
+    }
+    state = std::move(next.state);
+  }
+  state.time = {};
+  state.v.setZero();
+  state.matrix.reset();
+  state.external_work_J = 0.0;
+}
+
+void BeamBody::set_velocities() {
+  const VelocityField& field = params_.velocity;
+  BeamState& state = now_.state;
+  for (const BeamElement& element : system_.mesh().elements) {
+    for (const Term& term : element.terms) {
+      if (system_.mesh().fixed[static_cast<std::size_t>(term.vector)]) continue;
+      const Eigen::Vector3d x = state.q.segment<3>(3 * term.vector);
+      const bool position = term.slot % 4 == 0;
+      state.v.segment<3>(3 * term.vector) =
+          position ? Eigen::Vector3d(field.linear_m_per_s +
+                                     field.angular_rad_per_s.cross(x - field.about_m))
+                   : Eigen::Vector3d(field.angular_rad_per_s.cross(x));
+    }
+  }
+}
+
+void BeamBody::check_request(const StepRequest<MotionSet>& request) const {
+  require(initialized_, "fem: advance before initialize.");
+  require(request.input.begin.size() == params_.ports.size() &&
+              request.input.end.size() == params_.ports.size(),
+          "fem: advance: one motion per port is needed at both ends of the step.");
+  require(request.step > SimTime{} && request.step % params_.micro_step == SimTime{},
+          fmt::format("fem: advance: the macro step of {} ns is not a whole multiple of the micro "
+                      "step of {} ns. Change fem.micro_step_s.",
+                      request.step.count(), params_.micro_step.count()));
+}
+
+StepResult<WrenchSet> BeamBody::advance(const StepRequest<MotionSet>& request) {
+  check_request(request);
+  const double begin_s = now_s();
+  StepResult<WrenchSet> result;
+  if (!all_finite(request.input.end) || !all_finite(request.input.begin)) {
+    result.message = at_time(now_.state.time) + "the port motions are not finite.";
+    return result;
+  }
+  const SimTime h = params_.micro_step;
+  const std::int64_t n = request.step / h;
+  result.outcome = Outcome::Done;
+  result.message.clear();
+  Moment moment = now_;
+  for (std::int64_t j = 1; j <= n; ++j) {
+    const double s = static_cast<double>(j) / static_cast<double>(n);
+    const MotionSet begin = std::move(moment.motions);
+    moment.motions = interpolate(request.input, s, request.step);
+    BeamStep::Result next =
+        step_.advance(moment.state, {j == 1 ? request.input.begin : begin, moment.motions}, h);
+    result.solver_iterations += next.iterations;
+    effort_.iterations += next.iterations;
+    effort_.factorisations += next.factorisations;
+    effort_.halvings += next.halvings;
+    if (next.outcome != Outcome::Done) {
+      result.outcome = Outcome::Failed;
+      result.message = at_time(moment.state.time + h) + next.message;
+      break;
+    }
+    moment.state = std::move(next.state);
+    moment.sums = std::move(next.sums);
+  }
+  if (result.outcome == Outcome::Done) {
+    now_ = std::move(moment);
+    result.output = now_.sums.wheels;
+  }
+  result.cost.compute_s = now_s() - begin_s;
+  return result;
+}
+
+void BeamBody::checkpoint() {
+  saved_ = now_;
+  if (observer_) observer_(*this);
+}
+
+void BeamBody::rollback() { now_ = saved_; }
+
+Observation BeamBody::observe() {
+  const BeamState& state = now_.state;
+  Observation seen;
+  seen.time = state.time;
+  seen.state_hash = state.hash();
+  seen.energy = {.kinetic_J = system_.kinetic_J(state.v),
+                 .potential_J = system_.potential_J(state.q),
+                 .elastic_J = system_.elastic_J(state.q),
+                 .external_work_J = state.external_work_J};
+  return seen;
+}
+
+BeamBody::PointMotion BeamBody::motion_of(const WatchPoint& point) const {
+  const double length = system_.mesh().elements[static_cast<std::size_t>(point.element)].length_m;
+  const auto s = shape_values(length, point.xi, 0.0, 0.0);
+  return {system_.mesh().gather(point.element, now_.state.q) * s,
+          system_.mesh().gather(point.element, now_.state.v) * s};
+}
+
+}  // namespace tandem::fem::ancf

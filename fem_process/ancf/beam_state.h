@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+
+#include "fem_process/ancf/contact_model.h"
+#include "fem_process/ancf/klu_solver.h"
+#include "protocol/contract/hash.h"
+#include "protocol/contract/sim_time.h"
+
+namespace tandem::fem::ancf {
+
+/// A factorised step matrix, kept from step to step while Newton's iteration converges with it.
+struct StepMatrix {
+  std::shared_ptr<const LuFactor> factor;
+  double h_s = 0.0;
+  double mass_damping_per_s = 0.0;
+  bool friction = true;
+  std::uint64_t fingerprint = 0;  ///< of the unknowns it was made at
+};
+
+/// All that changes in a beam structure. A checkpoint is a copy of it; the step matrix is shared
+/// because it never changes.
+struct BeamState {
+  SimTime time{};
+  Eigen::VectorXd q;  ///< unknowns (m; gradients without unit)
+  Eigen::VectorXd v;  ///< 1/s of these
+  Eigen::VectorXd a;  ///< true accelerations
+  Eigen::VectorXd A;  ///< algorithmic accelerations of the generalised-α method
+  std::shared_ptr<const StepMatrix> matrix;
+  double external_work_J = 0.0;  ///< of the loads
+
+  [[nodiscard]] std::uint64_t hash() const {
+    StateHash hash;
+    hash.add(time.count());
+    for (const Eigen::VectorXd* x : {&q, &v, &a, &A}) {
+      hash.add(std::span<const double>(x->data(), static_cast<std::size_t>(x->size())));
+    }
+    hash.add(external_work_J);
+    if (matrix) hash.add(matrix->fingerprint);
+    return hash.value();
+  }
+};
+
+}  // namespace tandem::fem::ancf

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <string>
+
+#include "fem_process/ancf/beam_state.h"
+#include "fem_process/ancf/beam_system.h"
+#include "fem_process/ancf/contact_model.h"
+#include "protocol/contract/segment.h"
+#include "protocol/contract/subsystem.h"
+
+namespace tandem::fem::ancf {
+
+struct StepParams {
+  double rho_inf = 0.6;       ///< spectral radius at infinite frequency; 1: no numerical damping
+  double tolerance_m = 1e-9;  ///< Newton ends when no unknown changes by more
+  int newton_steps = 25;      ///< most iterations before the step is halved
+  int halvings = 5;           ///< most of them: 2⁻⁵ of the step is the shortest
+  double mass_damping_per_s = 0.0;  ///< α_M of C = α_M M
+  bool friction = true;
+};
+
+/// Generalised-α time integration [Chung & Hulbert 1993; Arnold & Brüls 2007]
+///   α_m = (2ρ − 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ = ½ + α_f − α_m, β = ¼ (γ + ½)²
+///   q⁺ = q + h v + h² ((½ − β) A + β A⁺),  v⁺ = v + h ((1 − γ) A + γ A⁺)
+///   (1 − α_f) a⁺ + α_f a = (1 − α_m) A⁺ + α_m A,   M a⁺ = f(q⁺, v⁺, t⁺)
+/// by Newton's method on the balance at the end of the step. The factorised matrix of an earlier
+/// iterate or step is used as long as the iteration contracts with it.
+class BeamStep {
+ public:
+  BeamStep(const BeamSystem& system, const ContactModel& contact, const StepParams& params);
+
+  /// Accelerations at the state's q, v: consistent with the forces, A = a. False when the mass
+  /// matrix is singular.
+  bool balance(const MotionSet& motions, BeamState& state, ContactSums& sums) const;
+
+  struct Result {
+    Outcome outcome = Outcome::Done;
+    std::string message;  ///< empty when Done
+    int iterations = 0;
+    int factorisations = 0;
+    int halvings = 0;  ///< how many steps were cut in two
+    BeamState state;
+    ContactSums sums;  ///< at the end
+  };
+  /// One step over the whole segment, of length h.
+  [[nodiscard]] Result advance(const BeamState& begin, const Segment<MotionSet>& input,
+                               SimTime h) const;
+
+  [[nodiscard]] const StepParams& params() const { return params_; }
+  [[nodiscard]] const BeamSystem& system() const { return system_; }
+
+ private:
+  /// Coefficients of a step of length h.
+  struct Alpha {
+    double am, af, gamma, beta, h;
+    [[nodiscard]] double position() const { return beta * h * h; }
+    [[nodiscard]] double rate() const { return gamma / (beta * h); }  ///< ∂v⁺/∂q⁺
+    [[nodiscard]] double mass() const { return (1.0 - am) / ((1.0 - af) * beta * h * h); }
+  };
+  [[nodiscard]] Alpha alpha(double h_s) const;
+  enum class End { Converged, Stalled, Inverted, Singular };
+  struct Try {
+    End end = End::Stalled;
+    double change_m = 0.0;
+  };
+  Try newton(const Alpha& alpha, const MotionSet& motions, double t_s, Result& result) const;
+  /// f_ext − f_int + f_contact − α_M M v − M a; false when an element is turned inside out.
+  bool residual(const BeamState& state, const MotionSet& motions, double t_s, double damping,
+                std::optional<double> theta, ElementArrays& elements, ContactSums& sums,
+                Eigen::VectorXd& r) const;
+  void cut(const BeamState& begin, const Segment<MotionSet>& input, double s0, double s1, SimTime h,
+           int depth, Result& result) const;
+
+  const BeamSystem& system_;
+  const ContactModel& contact_;
+  StepParams params_;
+};
+
+}  // namespace tandem::fem::ancf
