@@ -6,6 +6,8 @@
 #include <memory>
 #include <numeric>
 
+#include "fem_process/ancf/ancf_keys.h"
+#include "fem_process/ancf/beam_body.h"
 #include "fem_process/fem_keys.h"
 #include "fem_process/flexible_body.h"
 #include "orchestrator/commands.h"
@@ -40,8 +42,22 @@ std::string describe(const fem::Model& model) {
   return text;
 }
 
+std::string describe(const fem::ancf::BeamParams& params, const fem::ancf::BeamSystem& system) {
+  return fmt::format(
+      "  beams: {} elements of {:.4g} × {:.4g} × {:.4g} m, {} unknowns, {:.4g} kg, {} wheel(s), {} "
+      "ground(s)\n",
+      system.mesh().elements.size(), system.mesh().elements.front().length_m,
+      params.model.section.width_m, params.model.section.height_m, system.mesh().unknowns(),
+      system.mass_kg(), params.wheels.size(), params.grounds.size());
+}
+
 /// A scenario for `tandem fem` alone.
 std::string check_flexible(const std::string& file, const scenario::Node& root) {
+  if (root.section("fem").text("model") == "ancf") {
+    const fem::ancf::BeamBody beams(fem::ancf::read_beam_params(root));
+    return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,
+                       describe(beams.params(), beams.system()));
+  }
   const fem::Model model(fem::read_params(root));
   return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,
                      describe(model));
@@ -57,6 +73,10 @@ std::string check_coupled(const ScenarioOptions& options) {
                   model.port_names.size(), to_string(model.coupling.scheme));
   if (const auto* body = dynamic_cast<const fem::FlexibleBody*>(fem.get())) {
     text += describe(body->model());
+  }
+  if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {
+    fem::ancf::check_overlap(beams->params(), mbs->initialize(WrenchSet(model.port_names.size())));
+    text += describe(beams->params(), beams->system());
   }
   return text;
 }

@@ -14,6 +14,7 @@
 #include "fem_process/modal_analysis.h"
 #include "fem_process/static_analysis.h"
 #include "fem_process/vtu_writer.h"
+#include "orchestrator/beam_command.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_table.h"
 #include "orchestrator/text_file.h"
@@ -228,6 +229,7 @@ FemOutcome run_fem(const scenario::Node& root, const std::string& analysis,
                    const std::filesystem::path& folder) {
   const fem::AnalysisParams params = fem::read_analysis(root);
   const std::string& kind = analysis.empty() ? params.kind : analysis;
+  if (root.section("fem").text("model") == "ancf") return run_beams(root, kind, params, folder);
   if (kind == "modes") return run_modes(root, params.modes, folder);
   if (kind == "transient" || kind == "quasi_static") {
     return run_history(root, kind, params.motions, folder);

@@ -1,0 +1,131 @@
+// `tandem fem` on beams: scenarios as a user would write them.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "orchestrator/fem_command.h"
+#include "orchestrator/scenario_table.h"
+#include "protocol/contract/error.h"
+#include "tests/support/ancf_support.h"
+
+namespace tandem::orchestrator {
+namespace {
+
+using fem::ancf::testing::number;
+using fem::ancf::testing::read_rows;
+
+const char* const kCantilever = R"(name: cantilever
+fem:
+  model: ancf
+  ancf:
+    path: {kind: line, length_m: 1}
+    chain: {elements: 16, left_support: clamped}
+    section: {width_m: 0.02, height_m: 0.02}
+    material: {law: svk, young_Pa: 2.0e+8, poisson: 0, density_kg_per_m3: 1000}
+    integration: {points: [5, 3, 3]}
+    loads: [{at: 1, force_N: [0, 0, 8]}]
+    watch: [{name: tip, at: 1}]
+)";
+
+const char* const kPendulum = R"(name: pendulum
+run: {duration_s: 0.5, macro_step_s: 0.001}
+fem:
+  model: ancf
+  gravity_m_per_s2: [0, 0, -9.81]
+  ancf:
+    path: {kind: line, length_m: 1}
+    chain: {elements: 8, left_support: hinged}
+    section: {width_m: 0.02, height_m: 0.02}
+    material: {law: svk, young_Pa: 2.0e+6, poisson: 0.3, density_kg_per_m3: 7200}
+    integration: {kind: axis_d0}
+    integrator: {rho_inf: 1}
+    watch: [{name: tip, at: 1}]
+)";
+
+class AncfCommand : public ::testing::Test {
+ protected:
+  FemOutcome run(const std::string& yaml, const std::string& analysis) {
+    const std::filesystem::path file = folder_ / "scenario.yaml";
+    std::ofstream(file) << yaml;
+    const scenario::Loaded loaded = scenario::load(file, fem_scenario_table(), {});
+    return run_fem(loaded.root, analysis, folder_);
+  }
+  void SetUp() override {
+    folder_ =
+        std::filesystem::path(::testing::TempDir()) /
+        ("ancf_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+TEST_F(AncfCommand, StaticCantileverIsTheTablesOne) {
+  const FemOutcome outcome = run(kCantilever, "static");
+  EXPECT_EQ(outcome.exit_code, 0);
+  // 8 N is F L²/EI = 3: 16 elements give 0.60139511.
+  const auto tip = outcome.results["load_steps"].back()["displacement_m"]["tip"];
+  EXPECT_NEAR(tip[2].get<double>(), 0.60139511, 2e-7);
+  EXPECT_NEAR(tip[0].get<double>(), -0.25295457, 2e-7);
+}
+
+TEST_F(AncfCommand, ModesOfTheCantileverAreThoseOfEulerAndBernoulli) {
+  const FemOutcome outcome = run(kCantilever, "modes");
+  // f = λ²/(2π L²) √(EI/(ρA)), λ = 1.87510; 16 elements bend 0.1 % too stiffly.
+  const double f = 1.8751041 * 1.8751041 / (2.0 * std::numbers::pi) *
+                   std::sqrt(2e8 * 0.02 * 0.02 / 12.0 / 1000.0);
+  EXPECT_NEAR(outcome.results["frequencies_Hz"][0].get<double>(), f, 2e-3 * f);
+}
+
+TEST_F(AncfCommand, ElementSpectrumIsTheReferencesOne) {
+  std::string link = kCantilever;
+  const auto put = [&](const std::string& from, const std::string& to) {
+    link.replace(link.find(from), from.size(), to);
+  };
+  put("length_m: 1}", "length_m: 0.116321}");
+  put("elements: 16, left_support: clamped", "elements: 1");
+  put("{width_m: 0.02, height_m: 0.02}", "{width_m: 0.4, height_m: 0.02}");
+  put("law: svk, young_Pa: 2.0e+8, poisson: 0, density_kg_per_m3: 1000",
+      "law: neo_hookean, neo_hookean_Pa: 1.0e+8, bulk_Pa: 1.0e+9, density_kg_per_m3: 2000");
+  link += "  analysis: {modes: 24}\n";
+  const FemOutcome outcome = run(link, "modes");
+  for (const auto& row : read_rows("element_spectrum.csv")) {
+    if (row.at("integration") != "0" || number(row, "mu") != 1e8) continue;
+    for (int mode = 1; mode <= 24; ++mode) {
+      const double omega =
+          2.0 * std::numbers::pi *
+          outcome.results["frequencies_Hz"][static_cast<std::size_t>(mode - 1)].get<double>();
+      // Six rigid motions, then four digits.
+      const double expected = mode <= 6 ? 0.0 : number(row, fmt::format("w{}", mode));
+      EXPECT_NEAR(omega, expected, mode <= 6 ? 1.0 : 1e-3 * expected) << mode;
+    }
+  }
+}
+
+TEST_F(AncfCommand, PendulumSwingsAsTheReference) {
+  const FemOutcome outcome = run(kPendulum, "transient");
+  EXPECT_EQ(outcome.exit_code, 0);
+  const auto tip = outcome.results["history"]["displacement_m"]["tip"].back();
+  // Integrated with 5 × 3 × 3 points there and 4 × 2 × 2 here.
+  EXPECT_NEAR(1.0 + tip[0].get<double>(), -0.14907255, 1e-4);
+  EXPECT_NEAR(tip[2].get<double>(), -1.01452512, 1e-4);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "beam.csv"));
+}
+
+TEST_F(AncfCommand, KeysOfTheOtherModelAreRefused) {
+  std::string both = kCantilever;
+  both += "  material: {young_Pa: 1, poisson: 0, density_kg_per_m3: 1}\n";
+  try {
+    run(both, "static");
+    FAIL() << "nothing was thrown";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("model"), std::string::npos) << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace tandem::orchestrator

@@ -1,0 +1,111 @@
+// The tracked vehicle of [JC11] as an example for users: rigid bodies in ODE, track in the flexible
+// side, against an independent program with planar rigid bodies. Its first 0.6 s; the whole table
+// is the business of bench/vehicle.cpp.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "tests/support/ancf_support.h"
+#include "tests/support/beam_pair.h"
+
+namespace tandem::coupled_test {
+namespace {
+
+using fem::ancf::testing::number;
+using fem::ancf::testing::read_rows;
+using fem::ancf::testing::Row;
+
+const std::string kVehicle = "tracked_vehicle/scenario.yaml";
+
+/// What the run shows, one entry per macro step.
+struct History {
+  std::vector<double> t_s;
+  std::vector<Eigen::Vector3d> chassis, momentum, ground;
+  double roll = 0.0;       ///< x component of the chassis' quaternion at the end
+  double lateral_m = 0.0;  ///< farthest of all bodies from the plane y = 0
+  double mass_kg = 0.0;
+  RunReport report;
+
+  [[nodiscard]] std::size_t at(double time_s) const {
+    return static_cast<std::size_t>(std::lround(time_s / (t_s[1] - t_s[0])));
+  }
+  /// Mean force of the ground on the track between two times (N).
+  [[nodiscard]] Eigen::Vector3d mean_ground(double from_s, double to_s) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t i = at(from_s) + 1; i <= at(to_s); ++i) sum -= ground[i];
+    return sum / static_cast<double>(at(to_s) - at(from_s));
+  }
+  [[nodiscard]] Eigen::Vector3d mean_inertia(double from_s, double to_s) const {
+    return (momentum[at(to_s)] - momentum[at(from_s)]) / (to_s - from_s);
+  }
+};
+
+History drive(const std::vector<std::string>& overrides) {
+  BeamPair pair(kVehicle, overrides);
+  History history;
+  history.report = pair.run([&](const BeamPair& now) {
+    history.t_s.push_back(now.t_s());
+    history.chassis.push_back(now.body("chassis").p_WB);
+    history.momentum.push_back(now.momentum());
+    history.ground.push_back(now.fem().sums().ground);
+    for (const char* body : {"chassis", "sprocket", "idler", "roller1", "roller2"}) {
+      history.lateral_m = std::max(history.lateral_m, std::abs(now.body(body).p_WB.y()));
+    }
+    history.roll = now.body("chassis").q_WB.x();
+    history.mass_kg = now.mass_kg();
+  });
+  return history;
+}
+
+TEST(AncfVehicle, DrivesAsTheReference) {
+  const History run = drive({"run.duration_s=0.6"});
+  ASSERT_EQ(run.report.status, RunStatus::Done) << run.report.message;
+  EXPECT_NEAR(run.mass_kg, 244.7, 0.05);
+  for (const Row& row : read_rows("vehicle_base_full.csv")) {
+    const double t = number(row, "t");
+    if (t != 0.4 && t != 0.5 && t != 0.6) continue;
+    const double moved = run.chassis[run.at(t)].x() - run.chassis[0].x();
+    const double expected = number(row, "x") - 0.41866002;
+    EXPECT_NEAR(moved, expected, 0.01 * expected) << "t = " << t;
+    // Bounce: a few mm/10 about 0.208 m, whose phase is sensitive.
+    EXPECT_NEAR(run.chassis[run.at(t)].z(), 0.208, 0.001) << "t = " << t;
+  }
+  // Symmetric to the plane y = 0: what leaves it is round-off.
+  EXPECT_LT(run.lateral_m, 1e-12);
+  // Newton's law for the whole: the mean force of the ground is weight and change of momentum.
+  const double weight = 9.81 * run.mass_kg;
+  const Eigen::Vector3d force = run.mean_ground(0.3, 0.6);
+  const Eigen::Vector3d inertia = run.mean_inertia(0.3, 0.6);
+  EXPECT_NEAR(force.x(), inertia.x(), 0.02 * inertia.x());
+  EXPECT_NEAR(force.z(), inertia.z() + weight, 0.01 * weight);
+  EXPECT_GT(inertia.x(), 400.0);
+}
+
+TEST(AncfVehicle, SlidesWithTheFrictionOfTheGround) {
+  // μ = 0.2 and a plateau of 30 rad/s: the ground gives μ m g and no more.
+  const History run =
+      drive({"run.duration_s=1.0", "run.macro_step_s=2e-4", "fem.ancf.contact.friction=0.2",
+             "mbs.joints.drive.motor.law.value_end=30"});
+  ASSERT_EQ(run.report.status, RunStatus::Done) << run.report.message;
+  // The bounce averages out over the long window; μ itself shows without it.
+  const Eigen::Vector3d inertia = run.mean_inertia(0.35, 1.0);
+  EXPECT_NEAR(inertia.x() / run.mass_kg, 0.2 * 9.81, 0.03 * 0.2 * 9.81);
+  EXPECT_NEAR(inertia.x(), 0.2 * run.mean_ground(0.35, 1.0).z(), 0.03 * inertia.x());
+}
+
+TEST(AncfVehicle, RollsAndTurnsWhenItsChassisIsLopsided) {
+  // The chassis' centre of mass 50 mm to the left of the track's middle plane.
+  const History run =
+      drive({"run.duration_s=0.4", "mbs.bodies.chassis.position_m=[0.41866, 0.05, 0.21]"});
+  ASSERT_EQ(run.report.status, RunStatus::Done) << run.report.message;
+  // m g times the arm turns it about −x; the band's edge yields by depths of 0.1 mm and more.
+  EXPECT_LT(run.roll, -1e-5);
+  EXPECT_GT(run.lateral_m - 0.05, 1e-6);
+  const Eigen::Vector3d force = run.mean_ground(0.1, 0.4);
+  EXPECT_NEAR(force.y(), run.mean_inertia(0.1, 0.4).y(), 1e-3 * force.z());
+}
+
+}  // namespace
+}  // namespace tandem::coupled_test
