@@ -166,6 +166,9 @@ FemOutcome run_transient(const scenario::Node& root, const std::filesystem::path
 
 FemOutcome run_beams(const scenario::Node& root, const std::string& kind,
                      const fem::AnalysisParams& params, const std::filesystem::path& folder) {
+  require(kind != "quasi_static", root.section("fem").place("model").text() +
+                                      ": beams have no quasi_static analysis. Use static, or "
+                                      "transient with fem.ancf.settle.");
   if (kind == "modes") return run_modes(root, params.modes);
   if (kind == "transient") return run_transient(root, folder);
   return run_static(root, params.statics);
