@@ -293,8 +293,8 @@ Key settle_key() {
 Key beam_integrator_key() {
   const StepParams d;
   Section integrator;
-  integrator.title = "Generalised-α";
-  integrator.doc = "Time integration of the beams.";
+  integrator.title = "Beam integrator";
+  integrator.doc = "Generalised-α time integration of the beams.";
   integrator.keys = {
       scenario::real("rho_inf", "")
           .between(0, 1)
