@@ -6,7 +6,7 @@ tandem_test(fem_unit
   LIBS fem LABELS unit)
 tandem_test(fem_contract SOURCES contract/fem_contract.cpp LIBS fem LABELS contract)
 tandem_test(fem_reference
-  SOURCES reference/fem_modes.cpp reference/fem_reference.cpp reference/fem_statics.cpp
+  SOURCES reference/fem_materials_reference.cpp reference/fem_modes.cpp reference/fem_reference.cpp reference/fem_statics.cpp
     reference/fem_tet10_reference.cpp reference/fem_transient.cpp support/fem_reference_cases.cpp
   LIBS fem LABELS reference)
 tandem_test(fem_command SOURCES process/fem_command.cpp LIBS orchestrator LABELS process)
