@@ -19,6 +19,17 @@ class Raiser {
   }
 
   void run() {
+    // Before new nodes take the numbers of missing ones.
+    for (const RawMesh::Tetrahedron& tet : raw_.tets) {
+      for (std::int64_t tag : tet.nodes) static_cast<void>(position(tag, tet));
+    }
+    for (const auto& [name, set] : raw_.sets) {
+      for (std::int64_t tag : set.nodes) {
+        if (raw_.node_index.count(tag) > 0) continue;
+        raw_.fail(set.line, "set '" + name + "' uses node " + std::to_string(tag) +
+                                ", which the file does not define. Write the mesh again.");
+      }
+    }
     for (RawMesh::Tetrahedron& tet : raw_.tets) raise(tet);
     for (auto& [name, set] : raw_.sets) raise(set);
   }

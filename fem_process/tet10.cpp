@@ -92,6 +92,16 @@ Eigen::Matrix<double, 10, 3> tet10_positions(const TetMesh& mesh, std::size_t el
   return X;
 }
 
+double volume(const TetMesh& mesh, std::size_t element) {
+  if (!mesh.second_order()) return signed_volume(mesh, mesh.tets[element]);
+  const Eigen::Matrix<double, 10, 3> X = tet10_positions(mesh, element);
+  double sum = 0.0;
+  for (const TetPoint& point : tet_rule_of_degree_5()) {
+    sum += point.weight * (X.transpose() * tet10_derivatives(point.L)).determinant() / 6.0;
+  }
+  return sum;
+}
+
 SmallestJacobian smallest_jacobian(const Eigen::Matrix<double, 10, 3>& X) {
   const double straight = (X.middleRows<3>(1).rowwise() - X.row(0)).determinant();
   const auto relative = [&](const Eigen::Vector4d& L) {

@@ -37,6 +37,9 @@ struct TetPoint {
 [[nodiscard]] Eigen::Matrix<double, 10, 3> tet10_positions(const TetMesh& mesh,
                                                            std::size_t element);
 
+/// Volume (m³) of an element of either order, curved edges included.
+[[nodiscard]] double volume(const TetMesh& mesh, std::size_t element);
+
 /// Smallest Jacobians of an element of ten nodes (rows), relative to that of the straight tet on
 /// its corners: 1 when the mid nodes are in the middle of straight edges.
 struct SmallestJacobian {

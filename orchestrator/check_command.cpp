@@ -5,11 +5,13 @@
 #include <iterator>
 #include <memory>
 #include <numeric>
+#include <vector>
 
 #include "fem_process/ancf/ancf_keys.h"
 #include "fem_process/ancf/beam_body.h"
 #include "fem_process/fem_keys.h"
 #include "fem_process/flexible_body.h"
+#include "fem_process/tet10.h"
 #include "orchestrator/commands.h"
 #include "orchestrator/model.h"
 #include "orchestrator/scenario_options.h"
@@ -22,14 +24,25 @@ namespace {
 std::string describe(const fem::Model& model) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& X : model.mesh.X) box.extend(X);
-  double volume_m3 = 0.0;
-  for (const fem::Tet& tet : model.mesh.tets) volume_m3 += fem::signed_volume(model.mesh, tet);
+  std::vector<double> volumes_m3(model.materials.list.size());
+  std::vector<int> elements(volumes_m3.size());
+  for (std::size_t e = 0; e < model.mesh.tets.size(); ++e) {
+    volumes_m3[model.materials.index(e)] += fem::volume(model.mesh, e);
+    ++elements[model.materials.index(e)];
+  }
+  const double volume_m3 = std::accumulate(volumes_m3.begin(), volumes_m3.end(), 0.0);
   const double mass_kg = std::accumulate(model.nodal_mass.begin(), model.nodal_mass.end(), 0.0);
   const Eigen::Vector3d size_m = box.sizes();
   std::string text = fmt::format(
-      "  flexible body: {} nodes, {} elements, {:.4g} × {:.4g} × {:.4g} m, {:.4g} m³, {:.4g} kg\n",
-      model.mesh.nodes(), model.mesh.tets.size(), size_m.x(), size_m.y(), size_m.z(), volume_m3,
-      mass_kg);
+      "  flexible body: {} nodes, {}{} elements, {:.4g} × {:.4g} × {:.4g} m, {:.4g} m³, {:.4g} "
+      "kg\n",
+      model.mesh.nodes(), model.mesh.tets.size(), model.mesh.second_order() ? " second-order" : "",
+      size_m.x(), size_m.y(), size_m.z(), volume_m3, mass_kg);
+  for (std::size_t s = 0; s < model.params.materials.size(); ++s) {
+    fmt::format_to(std::back_inserter(text), "  material of '{}': {} elements, {:.4g} kg\n",
+                   model.params.materials[s].set.name, elements[s],
+                   volumes_m3[s] * model.materials.list[s].density_kg_per_m3);
+  }
   for (const fem::Model::Port& port : model.ports) {
     fmt::format_to(std::back_inserter(text),
                    "  port '{}': {} nodes, {:.3g} m from its origin (rms)\n", port.name,

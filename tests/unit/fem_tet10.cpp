@@ -250,6 +250,9 @@ TEST(FemTet10, BothKindsHaveTheMassOfTheVolumeAndLumpedOnesArePositive) {
     for (double m : mass_matrix(mesh, pattern, kSoft, kind)) sum += m;
     EXPECT_NEAR(sum, expected, 1e-12 * expected);
   }
+  double volume_found = 0.0;
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) volume_found += volume(mesh, e);
+  EXPECT_NEAR(1000.0 * volume_found, expected, 1e-12 * expected);
   const std::vector<double> lumped = mass_matrix(mesh, pattern, kSoft, MassKind::Lumped);
   for (int i = 0; i < mesh.nodes(); ++i) {
     EXPECT_GT(lumped[static_cast<std::size_t>(pattern.find(i, i))], 0.0);

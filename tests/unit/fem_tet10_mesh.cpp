@@ -205,6 +205,18 @@ TEST(FemTet10MeshDefects, MixedOrders) {
             std::string::npos);
 }
 
+TEST(FemTet10MeshDefects, UndefinedNodeOfARaisedMesh) {
+  const std::string text =
+      "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=C3D4\n"
+      "7, 1, 2, 3, 4\n";
+  EXPECT_NE(error_of("undefined.inp", text, 2).find("undefined.inp:6: element 7 uses node 4"),
+            std::string::npos);
+  // A set's missing node must not become the first new one either.
+  EXPECT_NE(error_of("set.inp", box_inp(1) + "*NSET, NSET=more\n1, 9\n", 2)
+                .find("set.inp:24: set 'more' uses node 9"),
+            std::string::npos);
+}
+
 TEST(FemTet10MeshDefects, ShortRow) {
   const std::string text = replaced(kInp, "13, 15, 14", "13, 15");
   EXPECT_NE(error_of("short.inp", text).find("short.inp:13: a C3D10 row is: number and 10 nodes"),
