@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -14,6 +15,13 @@ namespace {
 std::string at_time(SimTime time) {
   return fmt::format("fem: at t = {:.9g} s: ", to_seconds(time));
 }
+
+/// A torque that changes its sign in so many successive macro steps is no motion of the band: free
+/// vibrations that fast are damped away, stick and slip change at random.
+constexpr int kMostSwings = 20;
+
+/// Torques below this part of the wheel's force times its radius are round-off.
+constexpr double kNoTorque = 1e-6;
 
 }  // namespace
 
@@ -40,6 +48,7 @@ WrenchSet BeamBody::initialize(const MotionSet& motions) {
   check_overlap(params_, motions);
   now_ = {};
   now_.motions = motions;
+  now_.swings.assign(params_.wheels.size(), 0);
   BeamState& state = now_.state;
   state.q = system_.mesh().q0;
   state.v = state.a = state.A = Eigen::VectorXd::Zero(state.q.size());
@@ -102,6 +111,30 @@ void BeamBody::set_velocities() {
   }
 }
 
+std::string BeamBody::count_swings(const ContactSums& before, Moment& after) const {
+  std::string message;
+  for (std::size_t w = 0; w < params_.wheels.size(); ++w) {
+    const Wheel& wheel = params_.wheels[w];
+    const auto port = static_cast<std::size_t>(wheel.port);
+    const Eigen::Vector3d axis = after.motions[port].q_WP * Eigen::Vector3d::UnitY();
+    const double last = before.wheels[port].t_P_W.dot(axis);
+    const double now = after.sums.wheels[port].t_P_W.dot(axis);
+    const double scale = kNoTorque * wheel.radius_m * after.sums.wheels[port].f_P_W.norm();
+    const bool swings = last * now < 0.0 && std::min(std::abs(last), std::abs(now)) > scale;
+    after.swings[w] = swings ? after.swings[w] + 1 : 0;
+    if (after.swings[w] < kMostSwings || !message.empty()) continue;
+    message = fmt::format(
+        "the torque of the band on the wheel at port '{}' has changed its sign in {} successive "
+        "macro steps, from {:.4g} to {:.4g} N m now: the step is beyond the stability limit of an "
+        "explicit exchange of friction, about twice the wheel's spin inertia over v_s A R². "
+        "Shorten "
+        "run.macro_step_s, lower fem.ancf.contact.friction_slope_N_s_per_m3, or use "
+        "coupling.scheme: implicit.",
+        params_.ports[port], kMostSwings, last, now);
+  }
+  return message;
+}
+
 void BeamBody::check_request(const StepRequest<MotionSet>& request) const {
   require(initialized_, "fem: advance before initialize.");
   require(request.input.begin.size() == params_.ports.size() &&
@@ -145,6 +178,13 @@ StepResult<WrenchSet> BeamBody::advance(const StepRequest<MotionSet>& request) {
     moment.sums = std::move(next.sums);
   }
   if (result.outcome == Outcome::Done) {
+    const std::string swings = count_swings(now_.sums, moment);
+    if (!swings.empty()) {
+      result.outcome = Outcome::Failed;
+      result.message = at_time(moment.state.time) + swings;
+    }
+  }
+  if (result.outcome == Outcome::Done) {
     now_ = std::move(moment);
     result.output = now_.sums.wheels;
   }
@@ -163,7 +203,10 @@ Observation BeamBody::observe() {
   const BeamState& state = now_.state;
   Observation seen;
   seen.time = state.time;
-  seen.state_hash = state.hash();
+  StateHash hash;
+  hash.add(state.hash());
+  for (int swings : now_.swings) hash.add(static_cast<std::int64_t>(swings));
+  seen.state_hash = hash.value();
   seen.energy = {.kinetic_J = system_.kinetic_J(state.v),
                  .potential_J = system_.potential_J(state.q),
                  .elastic_J = system_.elastic_J(state.q),

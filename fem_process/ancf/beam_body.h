@@ -59,9 +59,13 @@ class BeamBody final : public FemSide {
     BeamState state;
     ContactSums sums;
     MotionSet motions;
+    std::vector<int>
+        swings;  ///< per wheel: successive macro steps in which its torque changed sign
   };
   void settle(const MotionSet& motions);
   void set_velocities();
+  /// Counts the swings of `after`; says which wheel has swung too often, or nothing.
+  [[nodiscard]] std::string count_swings(const ContactSums& before, Moment& after) const;
   void check_request(const StepRequest<MotionSet>& request) const;
 
   BeamParams params_;

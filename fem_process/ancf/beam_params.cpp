@@ -10,8 +10,8 @@
 namespace tandem::fem::ancf {
 namespace {
 
-/// Worn chains run with a few percent of difference; a tooth more or less is 10 % of ten teeth.
-constexpr double kPitchTolerance = 0.08;
+/// Chains run with a few percent of difference, before and after settling; a tooth is 10 % of ten.
+constexpr double kPitchTolerance = 0.05;
 
 /// Depth of the deepest of the points of a face that the contact looks at.
 struct Overlap {

@@ -49,7 +49,7 @@ struct BeamParams {
 };
 
 /// Throws a Usage error when the links do not fit the seats of a sprocket: the angle of a link on
-/// the radius of its centre line must be that of a seat within 8 %.
+/// the radius of its centre line must be that of a seat within 5 %.
 void check_teeth(const BeamParams& params);
 
 /// Throws a Usage error when a wheel or ground reaches further into the band than half its height.

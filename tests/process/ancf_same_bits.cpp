@@ -1,0 +1,83 @@
+// The tracked vehicle over LCM has the bits of the run in one process, and either side can be
+// replayed from the log.
+
+#include <gtest/gtest.h>
+
+#include "tests/support/tandem_process.h"
+
+namespace tandem::test {
+namespace {
+
+const std::vector<std::string> kShort{"--set", "run.duration_s=0.02", "--set",
+                                      "output.vtu_every_steps=100"};
+
+std::vector<std::string> with(std::vector<std::string> arguments,
+                              const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(AncfSameBits, VehicleOverLcmInProcessAndReplayed) {
+  const TemporaryFolder folder;
+  const Ended local = run_command(
+      run_of("tracked_vehicle", folder / "inproc", with(kShort, {"--transport", "inproc"})));
+  ASSERT_EQ(local.code, 0) << local.output;
+  const Ended remote = run_command(run_of("tracked_vehicle", folder / "lcm", kShort));
+  ASSERT_EQ(remote.code, 0) << remote.output;
+  const auto here = summary_of(folder / "inproc");
+  const auto there = summary_of(folder / "lcm");
+  EXPECT_EQ(here.at("macro_steps"), 200);
+  EXPECT_EQ(there.at("state_hash"), here.at("state_hash"));
+  EXPECT_EQ(there.at("ports"), here.at("ports"));
+  for (const char* file : {"beam.csv", "fem/fem_000200.vtu", "fem/fem.pvd"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / "lcm" / file)) << file;
+  }
+  for (const char* side : {"fem", "mbs"}) {
+    const Ended replay = tandem_command({"replay", (folder / "lcm").string(), "--side", side});
+    EXPECT_EQ(replay.code, 0) << side << ": " << replay.output;
+  }
+}
+
+TEST(AncfSameBits, ImplicitCouplingRollsBackExactly) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> implicit{"--set", "run.duration_s=0.002", "--scheme", "implicit"};
+  const Ended local = run_command(
+      run_of("tracked_vehicle", folder / "inproc", with(implicit, {"--transport", "inproc"})));
+  ASSERT_EQ(local.code, 0) << local.output;
+  const Ended remote = run_command(run_of("tracked_vehicle", folder / "lcm", implicit));
+  ASSERT_EQ(remote.code, 0) << remote.output;
+  EXPECT_EQ(summary_of(folder / "lcm").at("state_hash"),
+            summary_of(folder / "inproc").at("state_hash"));
+}
+
+TEST(AncfInput, WhatDoesNotFitIsToldWithItsRemedy) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& setting, const std::string& cause,
+                           const std::string& remedy) {
+    const Ended ended = run_command(
+        run_of("tracked_vehicle", folder / "refused", {"--transport", "inproc", "--set", setting}));
+    EXPECT_EQ(ended.code, 2) << setting << ": " << ended.output;
+    EXPECT_NE(ended.output.find(cause), std::string::npos) << setting << ": " << ended.output;
+    EXPECT_NE(ended.output.find(remedy), std::string::npos) << setting << ": " << ended.output;
+    std::filesystem::remove_all(folder / "refused");
+  };
+  refused("fem.ancf.chain.elements=22", "do not match the links", "Use 9 teeth");
+  refused("fem.ancf.wheels.1.radius_m=0.215", "reaches", "radii of a loop");
+  refused("fem.ancf.wheels.1.port=idle", "names no port", "Did you mean 'idler'");
+  refused("fem.ancf.grounds.0.point_m=[0, 0, 0.05]", "the ground reaches",
+          "Raise the chain's path");
+  refused("fem.ancf.settle.step_s=7e-5", "whole multiple", "step_s");
+}
+
+TEST(AncfInput, AStepBeyondTheStableOneEndsWithCauseAndRemedy) {
+  const TemporaryFolder folder;
+  const Ended ended = run_command(run_of(
+      "tracked_vehicle", folder / "run",
+      {"--transport", "inproc", "--set", "run.macro_step_s=5e-4", "--set", "run.duration_s=0.1"}));
+  EXPECT_EQ(ended.code, 3) << ended.output;
+  EXPECT_NE(ended.output.find("port 'idler'"), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find("Shorten run.macro_step_s"), std::string::npos) << ended.output;
+}
+
+}  // namespace
+}  // namespace tandem::test
