@@ -38,6 +38,7 @@ BeamBody::BeamBody(BeamParams params)
     info_.ports[static_cast<std::size_t>(wheel.port)].length_m = wheel.radius_m;
   }
   info_.micro_step = params_.micro_step;
+  info_.can_linearize = true;
 }
 
 WrenchSet BeamBody::initialize(const MotionSet& motions) {
@@ -187,6 +188,9 @@ StepResult<WrenchSet> BeamBody::advance(const StepRequest<MotionSet>& request) {
   if (result.outcome == Outcome::Done) {
     now_ = std::move(moment);
     result.output = now_.sums.wheels;
+    if (request.linearize && n == 1) {
+      result.jacobian = step_.jacobian(now_.state, now_.motions, h);
+    }
   }
   result.cost.compute_s = now_s() - begin_s;
   return result;

@@ -19,7 +19,8 @@ struct BeamEffort {
 
 /// A chain or beam as the flexible side of a coupled run: motions of the wheels in, contact
 /// wrenches out. A port has no nodes: its body is felt through the band's contact alone, so the
-/// wrench depends on the motion at the end of a step and there is no reaction of attached mass.
+/// wrench depends on the motion at the end of a step and there is no reaction of attached mass. The
+/// interface Jacobian is there when the macro step is one micro step.
 /// Deterministic: the same calls give the same bits, with or without repetitions of steps.
 class BeamBody final : public FemSide {
  public:

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "fem_process/ancf/beam_state.h"
@@ -45,6 +46,14 @@ class BeamStep {
   /// One step over the whole segment, of length h.
   [[nodiscard]] Result advance(const BeamState& begin, const Segment<MotionSet>& input,
                                SimTime h) const;
+
+  /// d wrenches / d motions at the end of a step of length h that ended at `state`, 6P × 12P as the
+  /// contract has it: with the balance R(q⁺; m) = 0 and its tangent S = −∂R/∂q⁺,
+  ///   dλ/dm = ∂λ/∂m + ∂λ/∂q⁺ S⁻¹ ∂R/∂m.
+  /// Exact but for what the tooth forces leave out. Empty when S is singular.
+  [[nodiscard]] std::optional<InterfaceJacobian> jacobian(const BeamState& state,
+                                                          const MotionSet& motions,
+                                                          SimTime h) const;
 
   [[nodiscard]] const StepParams& params() const { return params_; }
   [[nodiscard]] const BeamSystem& system() const { return system_; }

@@ -8,12 +8,6 @@
 namespace tandem::fem::ancf {
 namespace {
 
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d m;
-  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-  return m;
-}
-
 /// The friction of a point under the pressure p with the gradients ∂p/∂r, ∂p/∂v.
 void add_friction(const ContactParams& params, const ContactPoint& point,
                   const Eigen::RowVector3d& p_by_r, const Eigen::RowVector3d& p_by_v,
@@ -48,6 +42,12 @@ void add_friction(const ContactParams& params, const ContactPoint& point,
 }
 
 }  // namespace
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
+  Eigen::Matrix3d m;
+  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+  return m;
+}
 
 bool traction(const ContactParams& params, const ContactPoint& point, bool derivatives,
               Traction& out) {

@@ -177,6 +177,50 @@ void ContactModel::add(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const
   }
 }
 
+std::vector<Touch> ContactModel::touches(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                         const MotionSet& motions, bool friction) const {
+  std::vector<Touch> all;
+  if (wheels_.empty()) return all;
+  for (int e = 0; e < static_cast<int>(mesh_->elements.size()); ++e) {
+    const Element vectors = gather(e, q, v);
+    for_each_touch(
+        e, vectors, motions, true, friction,
+        [&](int w, int, const Patch& patch, const Eigen::Vector3d& r, const Traction& touch) {
+          if (w < 0) return;
+          const int port = wheels_[static_cast<std::size_t>(w)].port;
+          const Eigen::Matrix3d spin = cross_matrix(motions[static_cast<std::size_t>(port)].w_WP);
+          all.push_back({.element = e,
+                         .port = port,
+                         .shape = patch.shape,
+                         .r = r,
+                         .v = vectors.rate * patch.shape,
+                         .force = patch.area_m2 * touch.force,
+                         .by_place = patch.area_m2 * (touch.by_position + touch.by_slip * spin),
+                         .by_approach = patch.area_m2 * (touch.by_velocity - touch.by_slip),
+                         .by_slip = patch.area_m2 * touch.by_slip});
+        });
+    ToothForce push;
+    for (const Wheel& wheel : wheels_) {
+      const Motion& motion = motions[static_cast<std::size_t>(wheel.port)];
+      const Eigen::Vector3d r = vectors.e.col(0);
+      if (!wheel.teeth || !near(wheel, motions, e, vectors) ||
+          !tooth_force(*wheel.teeth, wheel.radius_m, motion, r, vectors.rate.col(0), push)) {
+        continue;
+      }
+      all.push_back({.element = e,
+                     .port = wheel.port,
+                     .shape = Eigen::Matrix<double, kVectors, 1>::Unit(0),
+                     .r = r,
+                     .v = vectors.rate.col(0),
+                     .force = push.force,
+                     .by_place = push.by_position,
+                     .by_approach = Eigen::Matrix3d::Zero(),
+                     .by_slip = push.by_velocity});
+    }
+  }
+  return all;
+}
+
 std::vector<double> ContactModel::pressures(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                             const MotionSet& motions) const {
   std::vector<double> means;

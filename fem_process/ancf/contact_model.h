@@ -45,6 +45,18 @@ struct ContactSums {
   int seated_pins = 0;  ///< pins that press on a tooth
 };
 
+/// A point of the band in contact with a wheel: the force on it and its derivatives.
+struct Touch {
+  int element = 0;
+  int port = 0;
+  Eigen::Matrix<double, kVectors, 1> shape;  ///< shape values of the point
+  Eigen::Vector3d r, v;                      ///< its position and velocity
+  Eigen::Vector3d force;                     ///< N
+  Eigen::Matrix3d by_place;                  ///< ∂/∂d at fixed u and w (N/m), d = r − p_WP
+  Eigen::Matrix3d by_approach;               ///< ∂/∂u (N s/m), u = v − v_WP
+  Eigen::Matrix3d by_slip;                   ///< ∂/∂w (N s/m), w = u − w_WP × d
+};
+
 /// Contact of a band with wheels and grounds: tractions at a grid of points of both faces, teeth at
 /// the ends of the elements. Every point asks every surface of its face, so one may touch several.
 class ContactModel {
@@ -58,6 +70,10 @@ class ContactModel {
   void add(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const MotionSet& motions,
            bool friction, std::optional<double> theta, ElementArrays& elements,
            ContactSums& sums) const;
+
+  /// All points in contact with wheels, in the order of the sums.
+  [[nodiscard]] std::vector<Touch> touches(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                           const MotionSet& motions, bool friction) const;
 
   /// Mean pressure of each element's faces by wheels and grounds (Pa).
   [[nodiscard]] std::vector<double> pressures(const Eigen::VectorXd& q, const Eigen::VectorXd& v,

@@ -90,6 +90,49 @@ TEST(AncfContract, ManyStepsEndExactlyAtTheirSum) {
   EXPECT_EQ(body.observe().time, SimTime(15'000'000));
 }
 
+TEST(AncfContract, JacobianIsTheDerivativeOfTheWrench) {
+  BeamParams params = belt();
+  params.step.tolerance_m = 1e-13;
+  BeamBody body(params);
+  body.initialize(wheel_at(0.0));
+  for (int k = 0; k < 20; ++k) {  // into contact
+    const double t = 5e-4 * k;
+    ASSERT_EQ(body.advance(request(t, t + 5e-4, SimTime(500'000))).outcome, Outcome::Done);
+  }
+  body.checkpoint();
+  const MotionSet begin = wheel_at(0.01);
+  const MotionSet end = wheel_at(0.0105);
+  const auto wrench_at = [&](const Eigen::Matrix<double, 12, 1>& change) {
+    MotionSet moved = end;
+    moved[0].p_WP += change.segment<3>(0);
+    const Eigen::Vector3d turn = change.segment<3>(3);
+    if (turn.norm() > 0.0) {
+      moved[0].q_WP = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * moved[0].q_WP;
+    }
+    moved[0].v_WP += change.segment<3>(6);
+    moved[0].w_WP += change.segment<3>(9);
+    body.rollback();
+    const auto result = body.advance({.step = SimTime(500'000), .input = {begin, moved}});
+    EXPECT_EQ(result.outcome, Outcome::Done) << result.message;
+    return stack(result.output);
+  };
+  const auto linear =
+      body.advance({.step = SimTime(500'000), .input = {begin, end}, .linearize = true});
+  ASSERT_TRUE(linear.jacobian.has_value());
+  ASSERT_GT(stack(linear.output).norm(), 1.0);
+  Eigen::MatrixXd differences(6, 12);
+  // Translations and rotations by 1e-8, velocities and spins by 1e-5: no point changes its state.
+  for (Eigen::Index j = 0; j < 12; ++j) {
+    const double step = j < 6 ? 1e-8 : 1e-5;
+    const Eigen::Matrix<double, 12, 1> d = step * Eigen::Matrix<double, 12, 1>::Unit(j);
+    differences.col(j) = (wrench_at(d) - wrench_at(-d)) / (2.0 * step);
+    // Wrenches of 15 N have round-off and Newton errors of 1e-13 N or less over steps of 1e-8.
+    EXPECT_LT((linear.jacobian->col(j) - differences.col(j)).norm(),
+              1e-5 * differences.col(j).norm() + 1e-8 * linear.jacobian->norm())
+        << "column " << j;
+  }
+}
+
 TEST(AncfContract, WhatFailsLeavesTheStateAndNamesCauseAndRemedy) {
   BeamParams impatient = belt();
   impatient.step.newton_steps = 2;
