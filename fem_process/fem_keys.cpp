@@ -159,6 +159,28 @@ Key solver_key() {
       .doc_is("Linear solver of the steps.");
 }
 
+Key craig_bampton_key() {
+  Section reduction;
+  reduction.title = "Craig-Bampton";
+  reduction.doc =
+      "Component mode synthesis: six constraint modes for every port, and for the fixed nodes "
+      "together, plus normal modes of the body with all these held, in a floating frame. For "
+      "formulation: craig_bampton; others pass it over. The linear solver's section is not used.";
+  reduction.keys = {
+      scenario::integer("modes").at_least(0).by_default("20").doc_is(
+          "How many of the lowest normal modes."),
+      scenario::real("frequency_limit_Hz", "Hz")
+          .above(0)
+          .doc_is("All normal modes up to this frequency, in place of modes."),
+      scenario::text("frame").by_default("mean").doc_is(
+          "What carries the floating frame: the mean motion of all ports and the fixed nodes, a "
+          "port by its name, or world for a frame at rest."),
+  };
+  return scenario::section("craig_bampton", std::move(reduction))
+      .by_default("{}")
+      .doc_is("Modes of the reduced body.");
+}
+
 Key loads_key() {
   Section load;
   load.title = "Load";
@@ -285,7 +307,18 @@ FormulationKind read_formulation(const std::string& name) {
   if (name == "linear") return FormulationKind::Linear;
   if (name == "corotational_consistent") return FormulationKind::ConsistentCorotational;
   if (name == "total_lagrangian") return FormulationKind::TotalLagrangian;
+  if (name == "craig_bampton") return FormulationKind::CraigBampton;
   return FormulationKind::Corotational;
+}
+
+CraigBamptonParams read_craig_bampton(const Node& node) {
+  CraigBamptonParams reduction;
+  reduction.modes = static_cast<int>(node.integer("modes"));
+  if (node.has("frequency_limit_Hz")) {
+    reduction.frequency_limit_Hz = node.real("frequency_limit_Hz");
+  }
+  reduction.frame = {node.text("frame"), node.place("frame")};
+  return reduction;
 }
 
 std::vector<SetName> read_sets(const Node& node, const char* key) {
@@ -307,12 +340,14 @@ Key fem_keys() {
       mesh_key(),
       material_key(),
       materials_key(),
-      scenario::choice("formulation",
-                       {"linear", "corotational", "corotational_consistent", "total_lagrangian"})
+      scenario::choice("formulation", {"linear", "corotational", "corotational_consistent",
+                                       "total_lagrangian", "craig_bampton"})
           .by_default("corotational")
           .doc_is("Internal forces: small displacements; co-rotational with the simplified tangent "
                   "of [MZ12], or with the rotation's derivative in the tangent; St. "
-                  "Venant-Kirchhoff in total Lagrangian form."),
+                  "Venant-Kirchhoff in total Lagrangian form; or small displacements in modes of a "
+                  "floating frame."),
+      craig_bampton_key(),
       scenario::choice("mass", {"lumped", "consistent"})
           .by_default("consistent")
           .doc_is("A tet's mass on its nodes (a quarter each; of second order, in proportion to "
@@ -365,6 +400,7 @@ Params read_params(const Node& root) {
   if (fem.has("material")) params.material = read_material(fem.section("material"), R_WM);
   params.materials = read_materials(fem, R_WM);
   params.formulation = read_formulation(fem.text("formulation"));
+  params.craig_bampton = read_craig_bampton(fem.section("craig_bampton"));
   params.mass = fem.text("mass") == "lumped" ? MassKind::Lumped : MassKind::Consistent;
   const Node damping = fem.section("damping");
   params.damping = {damping.real("alpha_per_s"), damping.real("beta_s")};

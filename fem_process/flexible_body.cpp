@@ -153,17 +153,4 @@ Observation FlexibleBody::observe() {
   return seen;
 }
 
-MeanMotion FlexibleBody::mean_motion(const std::string& node_set) const {
-  const NodeSet& set = find_set(model_.mesh, {.name = node_set});
-  MeanMotion mean;
-  for (int node : set.nodes) {
-    mean.position_m += state_.x.segment<3>(3 * node);
-    mean.displacement_m +=
-        state_.x.segment<3>(3 * node) - model_.mesh.X[static_cast<std::size_t>(node)];
-    mean.velocity_m_per_s += state_.v.segment<3>(3 * node);
-  }
-  const auto n = static_cast<double>(set.nodes.size());
-  return {mean.displacement_m / n, mean.position_m / n, mean.velocity_m_per_s / n};
-}
-
 }  // namespace tandem::fem

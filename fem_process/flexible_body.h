@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "fem_process/flexible_side.h"
 #include "fem_process/model.h"
 #include "fem_process/params.h"
 #include "fem_process/state.h"
@@ -15,13 +16,6 @@
 #include "protocol/contract/subsystem.h"
 
 namespace tandem::fem {
-
-/// Mean motion of a node set (unweighted), in W.
-struct MeanMotion {
-  Eigen::Vector3d displacement_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
-};
 
 /// A flexible body as the flexible side of a coupled run: port motions in, port wrenches out.
 ///
@@ -33,7 +27,7 @@ struct MeanMotion {
 /// With backward Euler linear momentum closes to round-off over every step:
 /// h Σ f_P_W = −ΔP + h Σ f_ext (without fixed sets and mass-proportional damping).
 /// Deterministic: the same calls give the same bits, with or without repetitions of steps.
-class FlexibleBody final : public FemSide {
+class FlexibleBody final : public FlexibleSide {
  public:
   explicit FlexibleBody(Params params);
 
@@ -44,12 +38,13 @@ class FlexibleBody final : public FemSide {
   void rollback() override;
   Observation observe() override;
 
-  [[nodiscard]] const Model& model() const { return model_; }
+  [[nodiscard]] const Model& model() const override { return model_; }
   [[nodiscard]] const State& state() const { return state_; }
-  [[nodiscard]] MeanMotion mean_motion(const std::string& node_set) const;
+  [[nodiscard]] State nodal_state() const override { return state_; }
 
-  /// Called with every accepted state, from checkpoint().
-  void on_accepted(std::function<void(const State&)> observer) { observer_ = std::move(observer); }
+  void on_accepted(std::function<void(const State&)> observer) override {
+    observer_ = std::move(observer);
+  }
 
  private:
   struct Advance {

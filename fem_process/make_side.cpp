@@ -1,6 +1,8 @@
 #include "fem_process/make_side.h"
 
 #include "fem_process/fem_keys.h"
+#include "fem_process/flexible_body.h"
+#include "fem_process/reduced_body.h"
 #include "fem_process/vtu_writer.h"
 #include "fem_process/watch_csv.h"
 #include "protocol/scenario/common_keys.h"
@@ -22,10 +24,17 @@ std::vector<std::string> names_of(const std::vector<SetName>& sets) {
 
 }  // namespace
 
-std::unique_ptr<FlexibleBody> make_side(const scenario::Node& root,
+std::unique_ptr<FlexibleSide> make_body(Params params) {
+  if (params.formulation == FormulationKind::CraigBampton) {
+    return std::make_unique<ReducedBody>(std::move(params));
+  }
+  return std::make_unique<FlexibleBody>(std::move(params));
+}
+
+std::unique_ptr<FlexibleSide> make_side(const scenario::Node& root,
                                         const std::filesystem::path& directory) {
   const Params params = read_params(root);
-  auto body = std::make_unique<FlexibleBody>(params);
+  std::unique_ptr<FlexibleSide> body = make_body(params);
   if (directory.empty()) return body;
 
   // shared_ptr: std::function must be copyable, although this one never is copied.
@@ -34,10 +43,10 @@ std::unique_ptr<FlexibleBody> make_side(const scenario::Node& root,
   if (every_steps > 0) files->vtu.emplace(body->model(), directory / "fem", "fem", every_steps);
   if (!params.watch.empty()) files->watch.emplace(directory / "watch.csv", names_of(params.watch));
   const SimTime end = scenario::read_run(root).duration;
-  body->on_accepted([files, end, &side = *body](const State& state) {
+  body->on_accepted([files, end, &model = body->model()](const State& state) {
     if (files->vtu) files->vtu->write(state);
     if (!files->watch) return;
-    files->watch->write(side);
+    files->watch->write(model, state);
     if (state.time >= end) files->watch->finish();
   });
   return body;

@@ -35,6 +35,10 @@ void check(const Params& params) {
   require(params.integrator.newton_steps >= 0, "fem: newton_steps must not be negative.");
   require(params.integrator.newton_tolerance > 0.0 && params.integrator.newton_tolerance < 1.0,
           "fem: newton_tolerance must be above 0 and below 1.");
+  const CraigBamptonParams& reduction = params.craig_bampton;
+  require(reduction.modes >= 0, "fem: craig_bampton modes must not be negative.");
+  require(reduction.frequency_limit_Hz.value_or(1.0) > 0.0,
+          "fem: craig_bampton frequency_limit_Hz must be positive.");
   require(params.solver.tolerance > 0.0 && params.solver.tolerance < 1.0,
           "fem: solver tolerance must be above 0 and below 1.");
   require(params.solver.max_iterations > 0, "fem: solver max_iterations must be positive.");

@@ -20,7 +20,8 @@ enum class FormulationKind {
   Linear,                  ///< small displacements
   Corotational,            ///< simplified tangent Σ R K Rᵀ
   ConsistentCorotational,  ///< the same forces, tangent with the rotation's derivative
-  TotalLagrangian          ///< St. Venant–Kirchhoff
+  TotalLagrangian,         ///< St. Venant–Kirchhoff
+  CraigBampton             ///< modes in a floating frame: ReducedBody
 };
 
 /// Rayleigh damping C = α M + β K: K is the formulation's stiffness at the present positions.
@@ -40,6 +41,13 @@ struct IntegratorParams {
   /// 0: the single linearised step of [Marinkovic & Zehn 2012], or 100 with QuasiStatic.
   int newton_steps = 0;
   double newton_tolerance = 1e-8;  ///< residual relative to the largest kind of force
+};
+
+/// Component mode synthesis; see ReducedModel.
+struct CraigBamptonParams {
+  int modes = 20;  ///< normal modes, when no limit is given
+  std::optional<double> frequency_limit_Hz;
+  SetName frame{.name = "mean"};  ///< "mean" of all rigid parts, a port's name, or "world"
 };
 
 /// A dead load (fixed direction in W, reference areas) times a law of time.
@@ -75,6 +83,7 @@ struct Params {
   Material material;                       ///< of all elements when `materials` is empty
   std::vector<MaterialSection> materials;  ///< every element in exactly one
   FormulationKind formulation = FormulationKind::Corotational;
+  CraigBamptonParams craig_bampton;
   MassKind mass = MassKind::Consistent;
   Damping damping;
   IntegratorParams integrator;

@@ -24,12 +24,12 @@ WatchCsv::WatchCsv(std::filesystem::path file, std::vector<std::string> node_set
   finish();
 }
 
-void WatchCsv::write(const FlexibleBody& body) {
-  if (body.state().time == last_) return;
-  last_ = body.state().time;
+void WatchCsv::write(const Model& model, const State& state) {
+  if (state.time == last_) return;
+  last_ = state.time;
   std::string row = fmt::format("{}", to_seconds(last_));
   for (const std::string& set : node_sets_) {
-    const MeanMotion mean = body.mean_motion(set);
+    const MeanMotion mean = mean_motion(model, state, set);
     for (const Eigen::Vector3d& values :
          {mean.position_m, mean.displacement_m, mean.velocity_m_per_s}) {
       for (double x : values) fmt::format_to(std::back_inserter(row), ",{}", x);

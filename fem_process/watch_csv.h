@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "fem_process/flexible_body.h"
+#include "fem_process/flexible_side.h"
 
 namespace tandem::fem {
 
@@ -17,9 +17,9 @@ class WatchCsv {
  public:
   WatchCsv(std::filesystem::path file, std::vector<std::string> node_sets);
 
-  /// Appends the row of the body's present state. A state of the same time as the last one is not
+  /// Appends the row of a nodal state. A state of the same time as the last one is not
   /// written again. Throws a System error that names the file when it cannot be written.
-  void write(const FlexibleBody& body);
+  void write(const Model& model, const State& state);
   void finish();
 
  private:

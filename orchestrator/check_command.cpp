@@ -10,7 +10,7 @@
 #include "fem_process/ancf/ancf_keys.h"
 #include "fem_process/ancf/beam_body.h"
 #include "fem_process/fem_keys.h"
-#include "fem_process/flexible_body.h"
+#include "fem_process/flexible_side.h"
 #include "fem_process/tet10.h"
 #include "orchestrator/commands.h"
 #include "orchestrator/model.h"
@@ -84,7 +84,7 @@ std::string check_coupled(const ScenarioOptions& options) {
       fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
                   model.run.macro_steps(), to_seconds(model.run.macro_step),
                   model.port_names.size(), to_string(model.coupling.scheme));
-  if (const auto* body = dynamic_cast<const fem::FlexibleBody*>(fem.get())) {
+  if (const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get())) {
     text += describe(body->model());
   }
   if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {

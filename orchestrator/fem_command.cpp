@@ -10,8 +10,9 @@
 
 #include "fem_process/analysis_keys.h"
 #include "fem_process/fem_keys.h"
-#include "fem_process/flexible_body.h"
+#include "fem_process/make_side.h"
 #include "fem_process/modal_analysis.h"
+#include "fem_process/reduced_body.h"
 #include "fem_process/static_analysis.h"
 #include "fem_process/vtu_writer.h"
 #include "orchestrator/beam_command.h"
@@ -76,6 +77,24 @@ void book(const std::string& message, FemOutcome& outcome) {
   outcome.results["message"] = message;
 }
 
+/// Static load steps by the full model, or in the modes of the reduced one.
+fem::StaticResult solve_static(const fem::Model& model, const fem::StaticParams& params,
+                               const std::function<void(const fem::LoadStep&)>& observer) {
+  if (model.params.formulation != fem::FormulationKind::CraigBampton) {
+    return fem::StaticAnalysis(model, params).run(observer);
+  }
+  fem::check(params);
+  const fem::BoundaryModes modes = fem::fixed_boundary_modes(model, model.params.craig_bampton);
+  const fem::ReducedModel reduced(model, modes, {});
+  fem::StaticResult result;
+  for (double factor : params.load_factors) {
+    result.steps.push_back(
+        {.factor = factor, .iterations = 1, .x = reduced.equilibrium(factor, params.law_time_s)});
+    observer(result.steps.back());
+  }
+  return result;
+}
+
 FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& params,
                       const std::filesystem::path& folder) {
   const fem::Model model(held_params(root));
@@ -83,23 +102,22 @@ FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& param
   fem::VtuWriter vtu(model, folder / "fem", "fem", 1);
   ordered_json& rows = outcome.results["load_steps"] = ordered_json::array();
   std::printf("%10s %11s %12s  %s\n", "factor", "iterations", "residual", "mean displacement (m)");
-  const fem::StaticResult result =
-      fem::StaticAnalysis(model, params).run([&](const fem::LoadStep& step) {
-        ordered_json row = {{"factor", step.factor},
-                            {"iterations", step.iterations},
-                            {"line_search", step.searched},
-                            {"cuts", step.cuts},
-                            {"residual", step.residual},
-                            {"inverted_elements", step.inverted_elements},
-                            {"displacement_m", displacements(model, step.x)}};
-        std::printf("%10.5g %11d %12.3g  %s\n", step.factor, step.iterations, step.residual,
-                    row["displacement_m"].dump().c_str());
-        rows.push_back(std::move(row));
-        // The collection's time is the load factor.
-        vtu.write({.time = sim_time_from_seconds(step.factor),
-                   .x = step.x,
-                   .v = Eigen::VectorXd::Zero(step.x.size())});
-      });
+  const fem::StaticResult result = solve_static(model, params, [&](const fem::LoadStep& step) {
+    ordered_json row = {{"factor", step.factor},
+                        {"iterations", step.iterations},
+                        {"line_search", step.searched},
+                        {"cuts", step.cuts},
+                        {"residual", step.residual},
+                        {"inverted_elements", step.inverted_elements},
+                        {"displacement_m", displacements(model, step.x)}};
+    std::printf("%10.5g %11d %12.3g  %s\n", step.factor, step.iterations, step.residual,
+                row["displacement_m"].dump().c_str());
+    rows.push_back(std::move(row));
+    // The collection's time is the load factor.
+    vtu.write({.time = sim_time_from_seconds(step.factor),
+               .x = step.x,
+               .v = Eigen::VectorXd::Zero(step.x.size())});
+  });
   book(result.report.message, outcome);
   return outcome;
 }
@@ -163,8 +181,8 @@ FemOutcome run_history(const scenario::Node& root, const std::string& kind,
                                "{duration_s: …, macro_step_s: …}.");
   fem::Params params = moved_params(root, motions);
   if (kind == "quasi_static") params.integrator.kind = fem::IntegratorKind::QuasiStatic;
-  fem::FlexibleBody body(std::move(params));
-  const fem::Model& model = body.model();
+  const std::unique_ptr<fem::FlexibleSide> body = fem::make_body(std::move(params));
+  const fem::Model& model = body->model();
   FemOutcome outcome{.results = heading(root, model, kind)};
   std::optional<fem::VtuWriter> vtu;
   if (const std::int64_t every = scenario::read_output(root).vtu_every_steps; every > 0) {
@@ -174,28 +192,30 @@ FemOutcome run_history(const scenario::Node& root, const std::string& kind,
   history["t_s"] = ordered_json::array();
   history["displacement_m"] = ordered_json::object();
   const auto record = [&] {
-    history["t_s"].push_back(to_seconds(body.state().time));
-    const ordered_json sets = displacements(model, body.state().x);
+    const fem::State state = body->nodal_state();
+    history["t_s"].push_back(to_seconds(state.time));
+    const ordered_json sets = displacements(model, state.x);
     for (const auto& [set, mean] : sets.items()) history["displacement_m"][set].push_back(mean);
-    if (vtu) vtu->write(body.state());
+    if (vtu) vtu->write(state);
   };
   const scenario::RunParams run = scenario::read_run(root);
   const SetMotions moved(motions, model.mesh, to_seconds(model.params.micro_step));
-  moved.record(body.initialize(moved.at(0.0)), history);
+  moved.record(body->initialize(moved.at(0.0)), history);
   record();
   for (std::int64_t step = 0; step < run.macro_steps(); ++step) {
-    body.checkpoint();
-    const double t_s = to_seconds(body.state().time);
+    body->checkpoint();
+    const double t_s = to_seconds(body->nodal_state().time);
     const StepResult<WrenchSet> result =
-        body.advance({.step = run.macro_step,
-                      .input = {moved.at(t_s), moved.at(t_s + to_seconds(run.macro_step))}});
+        body->advance({.step = run.macro_step,
+                       .input = {moved.at(t_s), moved.at(t_s + to_seconds(run.macro_step))}});
     book(result.message, outcome);
     if (result.outcome != Outcome::Done) break;
     moved.record(result.output, history);
     record();
   }
   std::printf("%lld steps to t = %g s: %s\n", static_cast<long long>(history["t_s"].size()) - 1,
-              to_seconds(body.state().time), displacements(model, body.state().x).dump().c_str());
+              to_seconds(body->nodal_state().time),
+              displacements(model, body->nodal_state().x).dump().c_str());
   return outcome;
 }
 

@@ -1,5 +1,6 @@
 # Tests of coupled runs, one executable a line. They run in this process, through the library.
-add_library(coupled_support STATIC support/coupled_pair.cpp support/truth_case.cpp)
+add_library(coupled_support STATIC support/coupled_pair.cpp support/reduction_case.cpp
+  support/truth_case.cpp)
 target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE fmt::fmt)
 target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
@@ -10,12 +11,16 @@ tandem_test(coupled_convergence
   SOURCES convergence/coupled_free_pair.cpp
   LIBS coupled_support LABELS convergence)
 tandem_test(coupled_reference
-  SOURCES reference/coupled_slider_crank.cpp reference/coupled_truth.cpp
+  SOURCES reference/coupled_reduction.cpp reference/coupled_slider_crank.cpp reference/coupled_truth.cpp
     reference/coupled_vibration.cpp
   LIBS coupled_support LABELS reference)
 tandem_test(coupled_equivalence
   SOURCES equivalence/coupled_dense.cpp equivalence/coupled_schemes.cpp
   LIBS coupled_support LABELS equivalence)
+
+# Draws what modal reduction costs in accuracy, and prints its tables: reduction SVG_FILE.
+add_executable(reduction bench/reduction.cpp)
+target_link_libraries(reduction PRIVATE coupled_support fmt::fmt)
 
 # Draws the comparison with the reference trajectories: truth_plots [--out DIR].
 add_executable(truth_plots bench/truth.cpp)

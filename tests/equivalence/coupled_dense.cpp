@@ -175,7 +175,7 @@ TEST(MonolithicStep, EqualsTheDenseSystemOfAllUnknowns) {
     dense.step(h);
     ++steps;
     velocity_gap =
-        std::max(velocity_gap, (dense.v - pair.fem().state().v).lpNorm<Eigen::Infinity>());
+        std::max(velocity_gap, (dense.v - pair.fem().nodal_state().v).lpNorm<Eigen::Infinity>());
     for (std::size_t b = 0; b < 2; ++b) {
       const mbs::BodyState& expected = dense.bodies[b];
       const mbs::BodyState& body = pair.mbs().state().bodies[b];

@@ -40,8 +40,8 @@ class ObservingSink final : public StepSink {
   const CoupledPair::Observer& observer_;
 };
 
-Eigen::VectorXd nodal_momenta(const fem::FlexibleBody& body) {
-  return fem::multiply_scalar(body.model().pattern(), body.model().mass, body.state().v);
+Eigen::VectorXd nodal_momenta(const fem::FlexibleSide& body) {
+  return fem::multiply_scalar(body.model().pattern(), body.model().mass, body.nodal_state().v);
 }
 
 /// p, q, v, w, f, t of one port.
@@ -92,7 +92,7 @@ Eigen::Vector3d CoupledPair::angular_momentum() const {
   }
   const Eigen::VectorXd momenta = nodal_momenta(*fem_);
   for (Eigen::Index row = 0; row < momenta.size(); row += 3) {
-    sum += fem_->state().x.segment<3>(row).cross(momenta.segment<3>(row));
+    sum += fem_->nodal_state().x.segment<3>(row).cross(momenta.segment<3>(row));
   }
   return sum;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fem_process/flexible_body.h"
+#include "fem_process/flexible_side.h"
 #include "mbs_process/rigid_world.h"
 #include "orchestrator/model.h"
 #include "orchestrator/run.h"
@@ -39,7 +39,7 @@ class CoupledPair {
 
   [[nodiscard]] const orchestrator::Model& model() const { return model_; }
   [[nodiscard]] const mbs::RigidWorld& mbs() const { return *mbs_; }
-  [[nodiscard]] const fem::FlexibleBody& fem() const { return *fem_; }
+  [[nodiscard]] const fem::FlexibleSide& fem() const { return *fem_; }
 
   /// Momentum of the rigid bodies and of all nodes (kg m/s), about the origin of W (kg m²/s).
   [[nodiscard]] Eigen::Vector3d linear_momentum() const;
@@ -48,7 +48,7 @@ class CoupledPair {
  private:
   orchestrator::Model model_;
   std::unique_ptr<mbs::RigidWorld> mbs_;
-  std::unique_ptr<fem::FlexibleBody> fem_;
+  std::unique_ptr<fem::FlexibleSide> fem_;
 };
 
 /// A number as the value of an override, with all its digits.

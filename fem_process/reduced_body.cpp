@@ -1,0 +1,130 @@
+#include "fem_process/reduced_body.h"
+
+#include <utility>
+
+#include "fem_process/quasi_static.h"
+#include "fem_process/reduced_tangent.h"
+#include "protocol/contract/error.h"
+#include "protocol/contract/segment.h"
+
+namespace tandem::fem {
+namespace {
+
+std::string at_time(SimTime time) {
+  return "fem: at t = " + std::to_string(to_seconds(time)) + " s: ";
+}
+
+}  // namespace
+
+ReducedBody::ReducedBody(Params params)
+    : model_(std::move(params)), modes_(fixed_boundary_modes(model_, model_.params.craig_bampton)) {
+  static_cast<void>(frame_weights(model_));  // must exist
+  if (!model_.integrator->inertia()) require_held(model_);
+  info_.name = "fem";
+  for (const Model::Port& port : model_.ports) info_.ports.push_back({port.name, port.length_m});
+  info_.micro_step = model_.params.micro_step;
+  info_.can_linearize = true;
+}
+
+WrenchSet ReducedBody::initialize(const MotionSet& motions) {
+  require(motions.size() == model_.ports.size(),
+          "fem: initialize: " + std::to_string(motions.size()) + " motions for " +
+              std::to_string(model_.ports.size()) + " ports.");
+  require(all_finite(motions), "fem: initialize: the port motions must be finite.");
+  step_.reset();
+  reduced_.emplace(model_, modes_, motions);
+  step_.emplace(*reduced_);
+  state_ = ReducedState{};
+  WrenchSet wrenches;
+  step_->start(motions, state_, wrenches);
+  saved_ = state_;
+  return wrenches;
+}
+
+void ReducedBody::run(const StepRequest<MotionSet>& request, StepResult<WrenchSet>& result) {
+  const SimTime h = model_.params.micro_step;
+  const std::int64_t n = request.step / h;
+  ReducedTangent tangent(*reduced_);
+  ReducedState state = state_;
+  for (std::int64_t j = 1; j <= n; ++j) {
+    const double s = static_cast<double>(j) / static_cast<double>(n);
+    ReducedStep::Result step =
+        step_->advance(state, interpolate(request.input, s, request.step), h);
+    if (step.report.outcome == Outcome::Failed) {
+      result.message = at_time(state.time + h) + step.report.message;
+      return;
+    }
+    if (request.linearize) {
+      tangent.advance(interpolation_derivative(request.input, s, request.step), step);
+    }
+    state = std::move(step.state);
+    result.output = std::move(step.wrenches);
+  }
+  if (!state.z.allFinite() || !all_finite(result.output)) {
+    result.message = at_time(state.time) +
+                     "modal coordinates or wrenches are not finite. Check the port motions, or "
+                     "shorten fem.micro_step_s.";
+    return;
+  }
+  result.outcome = Outcome::Done;
+  result.message.clear();
+  if (request.linearize) result.jacobian = tangent.jacobian();
+  state_ = std::move(state);
+}
+
+StepResult<WrenchSet> ReducedBody::advance(const StepRequest<MotionSet>& request) {
+  require(step_.has_value(), "fem: advance before initialize.");
+  require(request.input.begin.size() == model_.ports.size() &&
+              request.input.end.size() == model_.ports.size(),
+          "fem: advance: one motion per port is needed at both ends of the step.");
+  require(request.step > SimTime{} && request.step % model_.params.micro_step == SimTime{},
+          "fem: advance: the macro step of " + std::to_string(request.step.count()) +
+              " ns is not a whole multiple of the micro step of " +
+              std::to_string(model_.params.micro_step.count()) + " ns. Change fem.micro_step_s.");
+  const double begin_s = now_s();
+  StepResult<WrenchSet> result;
+  if (all_finite(request.input.begin) && all_finite(request.input.end)) {
+    run(request, result);
+  } else {
+    result.message = at_time(state_.time) + "the port motions are not finite.";
+  }
+  result.cost.compute_s = now_s() - begin_s;
+  return result;
+}
+
+void ReducedBody::checkpoint() {
+  saved_ = state_;
+  if (observer_) observer_(nodal_state());
+}
+
+void ReducedBody::rollback() { state_ = saved_; }
+
+State ReducedBody::nodal_state() const {
+  const auto fields = reduced_->fields();
+  State nodal;
+  nodal.time = state_.time;
+  nodal.x = reduced_->expand(Eigen::Map<const FieldMotion>(state_.fields.x.data(), 3, fields));
+  nodal.v = reduced_->expand(Eigen::Map<const FieldMotion>(state_.fields.v.data(), 3, fields));
+  nodal.external_work_J = state_.external_work_J;
+  return nodal;
+}
+
+Observation ReducedBody::observe() {
+  const auto fields = reduced_->fields();
+  const Eigen::Map<const FieldMotion> Y(state_.fields.x.data(), 3, fields);
+  const Eigen::Map<const FieldMotion> V(state_.fields.v.data(), 3, fields);
+  Observation seen;
+  seen.time = state_.time;
+  seen.state_hash = state_.hash();
+  if (model_.integrator->inertia()) {
+    seen.energy.kinetic_J = 0.5 * (V * reduced_->T()).cwiseProduct(V).sum();
+  }
+  const auto zeta = state_.z.head(reduced_->boundary());
+  seen.energy.elastic_J = 0.5 * (zeta.dot(reduced_->K_boundary() * zeta) +
+                                 reduced_->omega2().dot(state_.modal.x.cwiseAbs2()));
+  seen.energy.potential_J = -reduced_->gravity().cwiseProduct(Y).sum();
+  seen.energy.external_work_J = state_.external_work_J;
+  return seen;
+}
+
+}  // namespace tandem::fem

@@ -1,0 +1,73 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/support/reduction_case.h"
+
+namespace tandem::coupled_test {
+namespace {
+
+// A reduced body is linear in its frame: what it lacks, first of all the shortening of the bent
+// beam, is quadratic in the deflection. Ten times the stiffness, a tenth of the deflection, a
+// hundredth of the distance.
+TEST(CoupledReduction, AgreesWithTheFullBodyAtSmallAndPartsAtLargeDeformation) {
+  double deflections[2] = {};
+  double distances[2] = {};
+  for (int i = 0; i < 2; ++i) {
+    const double young_Pa = i == 0 ? 5e8 : 5e7;
+    const TipMotion whole = falling_beam("corotational", young_Pa, 0.15);
+    const TipMotion reduced = falling_beam("craig_bampton", young_Pa, 0.15);
+    deflections[i] = whole.largest_m();
+    distances[i] = largest_distance_m(whole, reduced);
+  }
+  EXPECT_LT(distances[0], 1e-2 * deflections[0]);
+  EXPECT_GT(distances[1], 1e-2 * deflections[1]);
+  const double order =
+      std::log(distances[1] / distances[0]) / std::log(deflections[1] / deflections[0]);
+  EXPECT_NEAR(order, 2.0, 0.3);
+}
+
+TEST(CoupledReduction, TipConvergesWithTheNumberOfModes) {
+  const TipMotion many = falling_beam("craig_bampton", 5e8, 0.1, 60);
+  double last = many.largest_m();
+  for (int modes : {4, 12, 36}) {
+    const double distance =
+        largest_distance_m(many, falling_beam("craig_bampton", 5e8, 0.1, modes));
+    EXPECT_LT(distance, 0.3 * last) << modes;
+    last = distance;
+  }
+  EXPECT_LT(last, 1e-4 * many.largest_m());
+}
+
+/// Way of the lug's eye against its base, in the base's axes (m).
+std::vector<Eigen::Vector3d> eye_of_lug(const std::string& formulation) {
+  CoupledPair pair("lug/scenario.yaml",
+                   {{"fem.formulation", formulation}, {"run.duration_s", "0.3"}});
+  std::vector<Eigen::Vector3d> way;
+  const RunReport report = pair.run(orchestrator::Mode::Monolithic, [&](const Sample& sample) {
+    const Motion& base = sample.motions.at(0);
+    way.emplace_back(base.q_WP.conjugate() * (sample.motions.at(1).p_WP - base.p_WP) -
+                     Eigen::Vector3d(0, 0, 0.072));
+  });
+  EXPECT_EQ(report.status, RunStatus::Done) << report.message;
+  return way;
+}
+
+// Two ports, a frame carried by both. The lug of elastomer bends by 3 % of its length; the reduced
+// one follows to a few percent of that.
+TEST(CoupledReduction, LugCarriesItsPayloadLikeTheFullBody) {
+  const auto whole = eye_of_lug("corotational");
+  const auto reduced = eye_of_lug("craig_bampton");
+  double deflection = 0.0;
+  double distance = 0.0;
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    deflection = std::max(deflection, whole[k].norm());
+    distance = std::max(distance, (whole[k] - reduced[k]).norm());
+  }
+  EXPECT_LT(distance, 0.03 * deflection);
+}
+
+}  // namespace
+}  // namespace tandem::coupled_test
