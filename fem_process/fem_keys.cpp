@@ -6,6 +6,7 @@
 
 #include "fem_process/analysis_keys.h"
 #include "fem_process/ancf/ancf_keys.h"
+#include "fem_process/craig_bampton_keys.h"
 #include "fem_process/material_keys.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
@@ -159,28 +160,6 @@ Key solver_key() {
       .doc_is("Linear solver of the steps.");
 }
 
-Key craig_bampton_key() {
-  Section reduction;
-  reduction.title = "Craig-Bampton";
-  reduction.doc =
-      "Component mode synthesis: six constraint modes for every port, and for the fixed nodes "
-      "together, plus normal modes of the body with all these held, in a floating frame. For "
-      "formulation: craig_bampton; others pass it over. The linear solver's section is not used.";
-  reduction.keys = {
-      scenario::integer("modes").at_least(0).by_default("20").doc_is(
-          "How many of the lowest normal modes."),
-      scenario::real("frequency_limit_Hz", "Hz")
-          .above(0)
-          .doc_is("All normal modes up to this frequency, in place of modes."),
-      scenario::text("frame").by_default("mean").doc_is(
-          "What carries the floating frame: the mean motion of all ports and the fixed nodes, a "
-          "port by its name, or world for a frame at rest."),
-  };
-  return scenario::section("craig_bampton", std::move(reduction))
-      .by_default("{}")
-      .doc_is("Modes of the reduced body.");
-}
-
 Key loads_key() {
   Section load;
   load.title = "Load";
@@ -309,16 +288,6 @@ FormulationKind read_formulation(const std::string& name) {
   if (name == "total_lagrangian") return FormulationKind::TotalLagrangian;
   if (name == "craig_bampton") return FormulationKind::CraigBampton;
   return FormulationKind::Corotational;
-}
-
-CraigBamptonParams read_craig_bampton(const Node& node) {
-  CraigBamptonParams reduction;
-  reduction.modes = static_cast<int>(node.integer("modes"));
-  if (node.has("frequency_limit_Hz")) {
-    reduction.frequency_limit_Hz = node.real("frequency_limit_Hz");
-  }
-  reduction.frame = {node.text("frame"), node.place("frame")};
-  return reduction;
 }
 
 std::vector<SetName> read_sets(const Node& node, const char* key) {

@@ -132,13 +132,15 @@ INSTANTIATE_TEST_SUITE_P(
 // steps stays below 1e-9 of wrenches and displacements.
 TEST_P(FemReducedEquality, AllModesGiveTheLinearBody) {
   Params params = bar_with_two_ports();
-  params.ports.resize(1);
-  params.fixed = {{"right"}};
+  params.mesh.file = temporary_file("equality.inp", box_inp(6));
+  params.mesh.length_scale_m = 0.1;
+  params.ports = {{"left", {"LEFT"}, Eigen::Vector3d(-0.28, 0, 0)}};
+  params.fixed = {{"RIGHT"}};
   params.integrator = GetParam().integrator;
   params.damping = GetParam().damping;
   params.gravity_m_per_s2 = {1, 2, -9.81};
   params.initial_velocity.angular_rad_per_s = {0.1, 0.3, -0.2};
-  params.loads = {{.kind = Load::Kind::Nodal, .set = {"solid"}, .value = {3.0, 1.0, -2.0}}};
+  params.loads = {{.kind = Load::Kind::Nodal, .set = {"ALL"}, .value = {3.0, 1.0, -2.0}}};
   Params reduced_params = params;
   params.formulation = FormulationKind::Linear;
   FlexibleBody linear(params);
