@@ -235,6 +235,17 @@ TEST(AncfElement, UniaxialForceIsTheTablesOne) {
   }
 }
 
+TEST(AncfElement, LateralStretchIsTheTablesOne) {
+  for (const testing::Row& row : testing::read_rows("uniaxial.csv")) {
+    EXPECT_NEAR(lateral_stretch(track_rubber(), testing::number(row, "lambda")),
+                testing::number(row, "lambda_t"), 6e-9);  // eight digits after the point
+  }
+  // St. Venant-Kirchhoff: the sides contract by ν times Green's strain.
+  const BeamMaterial svk = BeamMaterial::from_young(ElasticLaw::SaintVenantKirchhoff, 1e7, 0.3);
+  const double across = lateral_stretch(svk, 1.2);
+  EXPECT_NEAR(0.5 * (across * across - 1.0), -0.3 * 0.5 * (1.44 - 1.0), 1e-12);
+}
+
 TEST(AncfElement, TurnedInsideOutIsReported) {
   const BeamMesh mesh = one_element();
   const BeamKernel kernel(mesh, kTrackSection, rule_laws(track_rubber(), Integration::Full), {});
