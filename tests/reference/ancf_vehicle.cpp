@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "tests/support/ancf_support.h"
@@ -23,8 +24,8 @@ const std::string kVehicle = "tracked_vehicle/scenario.yaml";
 struct History {
   std::vector<double> t_s;
   std::vector<Eigen::Vector3d> chassis, momentum, ground;
-  double roll = 0.0;       ///< x component of the chassis' quaternion at the end
-  double lateral_m = 0.0;  ///< farthest of all bodies from the plane y = 0
+  std::vector<double> roll;  ///< twice the x component of the chassis' quaternion (rad)
+  double lateral_m = 0.0;    ///< farthest of all bodies from the plane y = 0
   double mass_kg = 0.0;
   RunReport report;
 
@@ -53,7 +54,7 @@ History drive(const std::vector<std::string>& overrides) {
     for (const char* body : {"chassis", "sprocket", "idler", "roller1", "roller2"}) {
       history.lateral_m = std::max(history.lateral_m, std::abs(now.body(body).p_WB.y()));
     }
-    history.roll = now.body("chassis").q_WB.x();
+    history.roll.push_back(2.0 * now.body("chassis").q_WB.x());
     history.mass_kg = now.mass_kg();
   });
   return history;
@@ -86,26 +87,26 @@ TEST(AncfVehicle, DrivesAsTheReference) {
 TEST(AncfVehicle, SlidesWithTheFrictionOfTheGround) {
   // μ = 0.2 and a plateau of 30 rad/s: the ground gives μ m g and no more.
   const History run =
-      drive({"run.duration_s=1.0", "run.macro_step_s=2e-4", "fem.ancf.contact.friction=0.2",
+      drive({"run.duration_s=0.8", "run.macro_step_s=2e-4", "fem.ancf.contact.friction=0.2",
              "mbs.joints.drive.motor.law.value_end=30"});
   ASSERT_EQ(run.report.status, RunStatus::Done) << run.report.message;
   // The bounce averages out over the long window; μ itself shows without it.
-  const Eigen::Vector3d inertia = run.mean_inertia(0.35, 1.0);
+  const Eigen::Vector3d inertia = run.mean_inertia(0.35, 0.8);
   EXPECT_NEAR(inertia.x() / run.mass_kg, 0.2 * 9.81, 0.03 * 0.2 * 9.81);
-  EXPECT_NEAR(inertia.x(), 0.2 * run.mean_ground(0.35, 1.0).z(), 0.03 * inertia.x());
+  EXPECT_NEAR(inertia.x(), 0.2 * run.mean_ground(0.35, 0.8).z(), 0.03 * inertia.x());
 }
 
 TEST(AncfVehicle, ConvergedCouplingGoesBeyondTheExplicitStep) {
   // 5e-4 s, at which the explicit exchange of friction is unstable.
   const History run =
-      drive({"run.duration_s=0.3", "run.macro_step_s=5e-4", "coupling.scheme=interface_jacobian"});
+      drive({"run.duration_s=0.2", "run.macro_step_s=5e-4", "coupling.scheme=interface_jacobian"});
   ASSERT_EQ(run.report.status, RunStatus::Done) << run.report.message;
   EXPECT_LT(run.report.iterations_max, 20);
   for (const Row& row : read_rows("vehicle_base_full.csv")) {
     const double t = number(row, "t");
-    if (t != 0.3) continue;
-    // 12 mm driven, and the step of the reference is a fifth of this one.
-    EXPECT_NEAR(run.chassis[run.at(t)].x(), number(row, "x"), 1e-3);
+    if (t != 0.2) continue;
+    // It has crept back by half a millimetre; the step of the reference is a fifth of this one.
+    EXPECT_NEAR(run.chassis[run.at(t)].x(), number(row, "x"), 2e-4);
   }
   EXPECT_LT(run.lateral_m, 1e-12);
 }
@@ -113,13 +114,21 @@ TEST(AncfVehicle, ConvergedCouplingGoesBeyondTheExplicitStep) {
 TEST(AncfVehicle, RollsAndTurnsWhenItsChassisIsLopsided) {
   // The chassis' centre of mass 50 mm to the left of the track's middle plane.
   const History run =
-      drive({"run.duration_s=0.4", "mbs.bodies.chassis.position_m=[0.41866, 0.05, 0.21]"});
+      drive({"run.duration_s=0.25", "mbs.bodies.chassis.position_m=[0.41866, 0.05, 0.21]"});
   ASSERT_EQ(run.report.status, RunStatus::Done) << run.report.message;
-  // m g times the arm turns it about −x; the band's edge yields by depths of 0.1 mm and more.
-  EXPECT_LT(run.roll, -1e-5);
+  // The moment m g a turns it about −x: by more than the ground's k L w³/12 alone lets it, for
+  // wheels and band yield as well and the bounce takes it off the ground; by degrees it would fall
+  // over.
+  const double stiffness = 9e7 * 0.85 * std::pow(0.4, 3) / 12.0;
+  const auto from = run.roll.begin() + static_cast<std::ptrdiff_t>(run.at(0.1));
+  const double mean =
+      std::accumulate(from, run.roll.end(), 0.0) / static_cast<double>(run.roll.end() - from);
+  const double expected = -100.0 * 9.81 * 0.05 / stiffness;
+  EXPECT_LT(mean, expected);
+  EXPECT_GT(mean, 100.0 * expected);
   EXPECT_GT(run.lateral_m - 0.05, 1e-6);
-  const Eigen::Vector3d force = run.mean_ground(0.1, 0.4);
-  EXPECT_NEAR(force.y(), run.mean_inertia(0.1, 0.4).y(), 1e-3 * force.z());
+  const Eigen::Vector3d force = run.mean_ground(0.1, 0.25);
+  EXPECT_NEAR(force.y(), run.mean_inertia(0.1, 0.25).y(), 1e-3 * force.z());
 }
 
 }  // namespace
