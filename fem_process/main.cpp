@@ -9,7 +9,8 @@ int main(int argc, char** argv) {
   const SideProgram program{
       .self = wire::Process::Fem,
       .name = "tandem-fem",
-      .description = "Flexible-body process of a coupled run: co-rotational finite elements.",
+      .description =
+          "Flexible-body process of a coupled run: finite elements of a solid, or an ANCF chain.",
       .keys = fem::fem_keys()};
   return run_side_process(program, argc, argv, [](SideContext& context) {
     const auto side = fem::make_model(context.scenario.root, context.directory);
