@@ -192,6 +192,32 @@ Key loads_key() {
   return scenario::sections("loads", std::move(load)).doc_is("Loads on the mesh.");
 }
 
+Key changes_key() {
+  Section change;
+  change.title = "Change";
+  change.doc =
+      "A change of the boundary conditions before the first macro step that begins at or after "
+      "at_s; `tandem control` makes the same changes by hand.";
+  change.keys = {
+      scenario::real("at_s", "s").must().at_least(0).doc_is("When."),
+      scenario::text("release").doc_is("Fixed set whose nodes move again."),
+      scenario::text("fix").doc_is("Node set that is held where it is."),
+      scenario::text("force").doc_is("Node set that takes force_N, in equal parts on its nodes, in "
+                                     "place of the last such force on it."),
+      scenario::reals("force_N", "N").count(3).doc_is("Total force in world axes."),
+  };
+  change.check = [](const Node& node) {
+    const int verbs =
+        (node.has("release") ? 1 : 0) + (node.has("fix") ? 1 : 0) + (node.has("force") ? 1 : 0);
+    if (verbs != 1) node.fail("at_s", "needs one of release, fix and force beside it.");
+    if (node.has("force") != node.has("force_N")) {
+      node.fail(node.has("force") ? "force" : "force_N", "force and force_N go together.");
+    }
+  };
+  return scenario::sections("changes", std::move(change))
+      .doc_is("Sets released, fixed and loaded while the body runs, in the order of their times.");
+}
+
 Key initial_velocity_key() {
   Section field;
   field.title = "Initial velocity";
@@ -271,6 +297,16 @@ Load read_load(const Node& node) {
   return load;
 }
 
+ScheduledChange read_change(const Node& node) {
+  ScheduledChange change{
+      .at = sim_time_from_seconds(node.real("at_s")), .command = {}, .place = {}};
+  const char* const verb = node.has("release") ? "release" : node.has("fix") ? "fix" : "force";
+  change.place = node.place(verb);
+  change.command = node.has("force") ? force_command(node.vector3("force_N"), node.text("force"))
+                                     : std::string(verb) + " " + node.text(verb);
+  return change;
+}
+
 InitialVelocity read_initial_velocity(const Node& node) {
   InitialVelocity field;
   field.linear_m_per_s = node.vector3("linear_m_per_s");
@@ -335,6 +371,7 @@ Key fem_keys() {
       scenario::names("fixed").by_default("[]").doc_is(
           "Node sets held at their initial positions."),
       loads_key(),
+      changes_key(),
       initial_velocity_key(),
       scenario::names("watch").by_default("[]").doc_is(
           "Node sets whose mean motion is written to the results."),
@@ -390,6 +427,9 @@ Params read_params(const Node& root) {
   params.watch = read_sets(fem, "watch");
   if (fem.has("loads")) {
     for (const Node& load : fem.list("loads")) params.loads.push_back(read_load(load));
+  }
+  if (fem.has("changes")) {
+    for (const Node& change : fem.list("changes")) params.changes.push_back(read_change(change));
   }
   params.initial_velocity = read_initial_velocity(fem.section("initial_velocity"));
   if (!root.has("ports")) return params;

@@ -22,6 +22,12 @@ PortArms port_arms(const Model& model, const MotionSet& motions) {
   return arms;
 }
 
+std::vector<std::string> names_of(const std::vector<SetName>& sets) {
+  std::vector<std::string> names;
+  for (const SetName& set : sets) names.push_back(set.name);
+  return names;
+}
+
 std::string at_time(SimTime time) {
   return "fem: at t = " + std::to_string(to_seconds(time)) + " s: ";
 }
@@ -34,6 +40,8 @@ FlexibleBody::FlexibleBody(Params params) : model_(std::move(params)) {
   for (const Model::Port& port : model_.ports) info_.ports.push_back({port.name, port.length_m});
   info_.micro_step = model_.params.micro_step;
   info_.can_linearize = true;
+  held_ = names_of(model_.params.fixed);
+  check_changes();
 }
 
 WrenchSet FlexibleBody::initialize(const MotionSet& motions) {
@@ -41,9 +49,11 @@ WrenchSet FlexibleBody::initialize(const MotionSet& motions) {
           "fem: initialize: " + std::to_string(motions.size()) + " motions for " +
               std::to_string(model_.ports.size()) + " ports.");
   require(all_finite(motions), "fem: initialize: the port motions must be finite.");
-  kept_ = {};  // their solvers refer to the step
-  step_.emplace(model_, port_arms(model_, motions));
+  arms_ = port_arms(model_, motions);
+  step_.reset();
+  hold(names_of(model_.params.fixed));
   state_ = State{};
+  state_.boundary.fixed = held_;
   WrenchSet wrenches;
   const SolveReport report = step_->start(motions, state_, wrenches);
   if (report.outcome != Outcome::Done) {
@@ -130,11 +140,15 @@ StepResult<WrenchSet> FlexibleBody::advance(const StepRequest<MotionSet>& reques
 }
 
 void FlexibleBody::checkpoint() {
+  make_scheduled_changes();
   saved_ = state_;
   if (observer_) observer_(state_);
 }
 
-void FlexibleBody::rollback() { state_ = saved_; }
+void FlexibleBody::rollback() {
+  state_ = saved_;
+  if (state_.boundary.fixed != held_) hold(state_.boundary.fixed);
+}
 
 Observation FlexibleBody::observe() {
   Observation seen;

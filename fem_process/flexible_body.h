@@ -36,6 +36,11 @@ class FlexibleBody final : public FlexibleSide {
   StepResult<WrenchSet> advance(const StepRequest<MotionSet>& request) override;
   void checkpoint() override;
   void rollback() override;
+  /// See changed(): releases and fixes node sets, puts forces on them. The free nodes'
+  /// accelerations start anew from the balance of forces; a set that is fixed is held where it is,
+  /// its momentum taken by the ground. Where nodes change sides the step matrix is analysed and
+  /// factorised anew.
+  CommandResult command(const std::string& text) override;
   Observation observe() override;
 
   [[nodiscard]] const Model& model() const override { return model_; }
@@ -54,10 +59,15 @@ class FlexibleBody final : public FlexibleSide {
   };
   /// All micro steps of a macro step from the present state, which stays.
   Advance run(const StepRequest<MotionSet>& request);
+  void hold(const std::vector<std::string>& sets);
+  void check_changes();
+  void make_scheduled_changes();
   void check_request(const StepRequest<MotionSet>& request) const;
 
   Model model_;
   SubsystemInfo info_;
+  PortArms arms_;
+  std::vector<std::string> held_;  ///< the sets that the model holds now
   std::optional<TransientStep> step_;
   State state_;
   State saved_;

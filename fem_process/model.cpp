@@ -1,5 +1,6 @@
 #include "fem_process/model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -16,6 +17,10 @@ Eigen::VectorXd stacked(const std::vector<Eigen::Vector3d>& points) {
   }
   return x;
 }
+
+/// Who moves a node: a port's index, or
+constexpr int kNobody = -1;
+constexpr int kGround = -2;  // a fixed set
 
 }  // namespace
 
@@ -52,42 +57,57 @@ Model::Model(Params given) : params(std::move(given)) {
   nodal_mass = nodal_masses(pattern(), mass);
   load_case_ = LoadCase(mesh, params.loads);
   for (const SetName& name : params.watch) static_cast<void>(find_set(mesh, name));  // must exist
-  divide_nodes();
-  interior = sub_pattern(pattern(), free);
+  find_ports();
+  hold(params.fixed);
 }
 
-void Model::divide_nodes() {
-  std::vector<std::string> owner(mesh.X.size());
+void Model::find_ports() {
+  owner_.assign(mesh.X.size(), kNobody);
   for (const PortSet& port : params.ports) {
     const NodeSet& set = find_set(mesh, port.set);
     for (int node : set.nodes) {
-      std::string& taken = owner[static_cast<std::size_t>(node)];
-      require(taken.empty(),
+      int& owner = owner_[static_cast<std::size_t>(node)];
+      require(owner == kNobody,
               (port.set.place.file.empty() ? "fem" : port.set.place.text()) + ": node " +
                   std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]) +
-                  " belongs to the ports '" + taken + "' and '" + port.name +
-                  "'. Let every node follow one port: choose sets without common nodes.");
-      taken = port.name;
+                  " belongs to the ports '" +
+                  params.ports[static_cast<std::size_t>(std::max(owner, 0))].name + "' and '" +
+                  port.name +
+                  "'. Let every node follow one port: choose sets without common "
+                  "nodes.");
+      owner = static_cast<int>(ports.size());
     }
     ports.push_back({port.name, set.nodes, length_of(mesh, port, set)});
   }
-  for (const SetName& name : params.fixed) {
+}
+
+void Model::hold(const std::vector<SetName>& sets) {
+  std::vector<int> owners = owner_;
+  std::vector<int> held;
+  for (const SetName& name : sets) {
     for (int node : find_set(mesh, name).nodes) {
-      std::string& taken = owner[static_cast<std::size_t>(node)];
-      if (taken == "\n") continue;  // held by another fixed set already
-      require(taken.empty(), (name.place.file.empty() ? "fem" : name.place.text()) + ": node " +
-                                 std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]) +
-                                 " is in the fixed set '" + name.name + "' and in the port '" +
-                                 taken + "'. Choose sets without common nodes.");
-      taken = "\n";  // no port has this name
-      fixed.push_back(node);
+      int& owner = owners[static_cast<std::size_t>(node)];
+      if (owner == kGround) continue;  // held by another fixed set already
+      require(owner == kNobody,
+              (name.place.file.empty() ? "fem" : name.place.text()) + ": node " +
+                  std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]) +
+                  " is in the fixed set '" + name.name + "' and in the port '" +
+                  params.ports[static_cast<std::size_t>(std::max(owner, 0))].name +
+                  "'. Choose sets without common nodes.");
+      owner = kGround;
+      held.push_back(node);
     }
   }
+  require(std::find(owners.begin(), owners.end(), kNobody) != owners.end(),
+          "fem: every node of " + mesh.file.string() +
+              " is in a port or fixed: nothing can move. Mesh finer.");
+  fixed = std::move(held);
+  free.clear();
+  prescribed.clear();
   for (int node = 0; node < mesh.nodes(); ++node) {
-    (owner[static_cast<std::size_t>(node)].empty() ? free : prescribed).push_back(node);
+    (owners[static_cast<std::size_t>(node)] == kNobody ? free : prescribed).push_back(node);
   }
-  require(!free.empty(), "fem: every node of " + mesh.file.string() +
-                             " is in a port or fixed: nothing can move. Mesh finer.");
+  interior = sub_pattern(pattern(), free);
 }
 
 Eigen::VectorXd Model::reference() const { return stacked(mesh.X); }

@@ -14,7 +14,7 @@
 
 namespace tandem::fem {
 
-/// Everything about a flexible body that does not change. Sets are resolved, forces have units.
+/// Everything about a flexible body that no step changes. Sets are resolved, forces have units.
 class Model {
  public:
   explicit Model(Params params);
@@ -33,10 +33,14 @@ class Model {
   std::vector<double> mass;        ///< per block (kg)
   std::vector<double> nodal_mass;  ///< row sums (kg)
   std::vector<Port> ports;
-  std::vector<int> fixed;       ///< held at their initial positions
+  std::vector<int> fixed;       ///< held: at their initial positions, or where a command found them
   std::vector<int> prescribed;  ///< port nodes and fixed nodes
   std::vector<int> free;
   SubPattern interior;  ///< free nodes
+
+  /// Divides the nodes anew: those of ports and of these sets are prescribed, the others free. A
+  /// set that shares nodes with a port is a Usage error, and changes nothing.
+  void hold(const std::vector<SetName>& sets);
 
   [[nodiscard]] const BlockPattern& pattern() const { return formulation->pattern(); }
   /// Reference positions as one vector (m).
@@ -49,9 +53,10 @@ class Model {
   [[nodiscard]] Eigen::VectorXd external_forces(double t_s) const;
 
  private:
-  void divide_nodes();
+  void find_ports();
 
   LoadCase load_case_;
+  std::vector<int> owner_;  ///< index of every node's port; below zero: none
 };
 
 /// Mean displacement (m) of the nodes of a set at the positions x, not weighted.

@@ -47,6 +47,10 @@ void check(const Params& params) {
   for (const Load& load : params.loads) {
     require(load.value.allFinite(), "fem: the load on '" + load.set.name + "' must be finite.");
   }
+  for (std::size_t i = 1; i < params.changes.size(); ++i) {
+    require(params.changes[i - 1].at <= params.changes[i].at,
+            "fem: the changes must stand in the order of their times.");
+  }
   const InitialVelocity& v = params.initial_velocity;
   require(v.linear_m_per_s.allFinite() && v.angular_rad_per_s.allFinite() &&
               v.about_m.allFinite() && v.gradient_per_s.allFinite(),

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "fem_process/boundary.h"
 #include "fem_process/linear_solver.h"
 #include "fem_process/mass.h"
 #include "fem_process/materials.h"
@@ -94,7 +95,8 @@ struct Params {
   std::vector<Load> loads;
   InitialVelocity initial_velocity;
   std::vector<PortSet> ports;
-  std::vector<SetName> watch;  ///< node sets whose mean motion is reported
+  std::vector<ScheduledChange> changes;  ///< of fixed sets and forces, times ascending
+  std::vector<SetName> watch;            ///< node sets whose mean motion is reported
 };
 
 /// Throws a Usage error that names the first bad value. Names of sets are checked by the model.

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "fem_process/block_matrix.h"
+#include "fem_process/boundary.h"
 #include "protocol/contract/hash.h"
 #include "protocol/contract/sim_time.h"
 
@@ -24,6 +25,7 @@ struct State {
   /// empty when it is not made of them. Row `past_next` is the oldest.
   EightVectors past;
   int past_next = 0;
+  Boundary boundary;  ///< what is held, and forces by command
   double external_work_J = 0.0;
   int inverted_elements = 0;  ///< at the last linearisation
   /// Number of this state: equal numbers mean equal states, so that what was computed from a state
@@ -39,6 +41,12 @@ struct State {
     if (past.size() > 0) {
       hash.add(std::span<const double>(past.data(), static_cast<std::size_t>(past.size())));
       hash.add(static_cast<std::int64_t>(past_next));
+    }
+    for (const std::string& set : boundary.fixed) {
+      for (char c : set) hash.add(static_cast<std::int64_t>(c));
+    }
+    for (const Boundary::Force& commanded : boundary.forces) {
+      hash.add(std::span<const double>(commanded.total_N.data(), 3));
     }
     hash.add(external_work_J);
     return hash.value();

@@ -125,11 +125,6 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
     state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
     remember(state.v, state);
   }
-  Eigen::VectorXd f_int;
-  BlockValues K;
-  state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
-  const Eigen::VectorXd force = f_int + damping_force(K, state.v) - model_.external_forces(0.0);
-
   Eigen::VectorXd a = Eigen::VectorXd::Zero(state.x.size());
   for (std::size_t p = 0; p < arms_.size(); ++p) {
     const Eigen::Vector3d& w = motions[p].w_WP;
@@ -138,6 +133,25 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
       a.segment<3>(3 * model_.ports[p].nodes[k]) = w.cross(w.cross(R_WP * arms_[p][k]));
     }
   }
+  Eigen::VectorXd react;
+  const SolveReport report = accelerate(state, a, react);
+  wrenches = port_wrenches(model_, arms_, motions, react);
+  if (!model_.integrator->keeps_history()) return report;
+  state.a_mean = state.a = a;
+  if (!model_.integrator->averages_forces()) state.acceleration = std::move(a);
+  return report;
+}
+
+/// Accelerations of the free nodes from the balance at the state's x, v and t, those of the
+/// prescribed nodes given; the reactions; the forces of the state where it keeps them.
+SolveReport TransientStep::accelerate(State& state, Eigen::VectorXd& a,
+                                      Eigen::VectorXd& react) const {
+  Eigen::VectorXd f_int;
+  BlockValues K;
+  state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
+  const Eigen::VectorXd force = f_int + damping_force(K, state.v) -
+                                model_.external_forces(to_seconds(state.time)) -
+                                commanded_forces(state);
   Eigen::MatrixXd rhs =
       -gather(multiply_scalar(model_.pattern(), model_.mass, a) + force, model_.free);
   BlockValues M;
@@ -147,18 +161,47 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   const Eigen::VectorXd norms = Eigen::VectorXd::Constant(1, rhs.norm());
   if (report.outcome == Outcome::Done) report = solver->solve(rhs, norms);
   scatter_add(rhs.col(0), model_.free, a);
-
-  Eigen::VectorXd react = multiply_scalar(model_.pattern(), model_.mass, a) + force;
+  react = multiply_scalar(model_.pattern(), model_.mass, a) + force;
   for (int node : model_.free) react.segment<3>(3 * node).setZero();
-  wrenches = port_wrenches(model_, arms_, motions, react);
-  if (model_.integrator->keeps_history()) state.a_mean = state.a = a;
   if (model_.integrator->averages_forces()) {
     state.force = force;
-    state.react = std::move(react);
-  } else if (model_.integrator->keeps_history()) {
-    state.acceleration = std::move(a);
+    state.react = react;
   }
   return report;
+}
+
+SolveReport TransientStep::restart(State& state) const {
+  for (int node : model_.fixed) {
+    for (Eigen::VectorXd* values : {&state.v, &state.a, &state.a_mean, &state.acceleration}) {
+      if (values->size() > 0) values->segment<3>(3 * node).setZero();
+    }
+  }
+  if (remembers()) {
+    state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
+    state.past_next = 0;
+    remember(state.v, state);
+  }
+  if (!model_.integrator->keeps_history()) return {};
+  const bool averages = model_.integrator->averages_forces();
+  Eigen::VectorXd a = averages ? state.a : state.acceleration;
+  for (int node : model_.free) a.segment<3>(3 * node).setZero();
+  Eigen::VectorXd react;
+  const SolveReport report = accelerate(state, a, react);
+  for (int node : model_.free) {
+    state.a.segment<3>(3 * node) = a.segment<3>(3 * node);
+    if (!averages) state.acceleration.segment<3>(3 * node) = a.segment<3>(3 * node);
+  }
+  return report;
+}
+
+void TransientStep::prepare(const State& state, Linearisation& kept) const {
+  static_cast<void>(linearise(state, to_seconds(model_.params.micro_step), kept));
+}
+
+Eigen::VectorXd TransientStep::commanded_forces(const State& state) const {
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(state.x.size());
+  add_forces(state.boundary, model_.mesh, f);
+  return f;
 }
 
 /// A step that ends at t = 0.
@@ -337,7 +380,8 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
-  const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time));
+  const Eigen::VectorXd commanded = commanded_forces(begin);
+  const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time)) + commanded;
   solve(begin, f_ext, kept, v, a, result);
   if (result.report.outcome != Outcome::Failed && model_.params.integrator.newton_steps > 0) {
     correct(begin, f_ext, kept, v, a, result);
@@ -349,13 +393,14 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   }
   result.wrenches = port_wrenches(model_, arms_, torque_pose, result.react);
   const Eigen::VectorXd loads =
-      model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time));
+      model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time)) + 2.0 * commanded;
   result.state.external_work_J = begin.external_work_J + 0.5 * loads.dot(x - begin.x);
   if (remembers()) {
     result.state.past = begin.past;
     result.state.past_next = begin.past_next;
     remember(v, result.state);
   }
+  result.state.boundary = begin.boundary;
   result.state.time = time;
   result.state.inverted_elements = kept.last().inverted_elements;
   result.state.x = std::move(x);

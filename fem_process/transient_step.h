@@ -60,6 +60,13 @@ class TransientStep {
   /// acceleration. Without inertia: the static equilibrium at t = 0.
   SolveReport start(const MotionSet& motions, State& state, WrenchSet& wrenches) const;
 
+  /// The state once the boundary conditions have changed at its time: held nodes at rest where they
+  /// are, accelerations and forces of the balance that holds now, no past for initial guesses.
+  SolveReport restart(State& state) const;
+
+  /// Makes now what the next micro step of the model's length would make of its state.
+  void prepare(const State& state, Linearisation& kept) const;
+
   struct Result {
     SolveReport report;
     StepTimes times;
@@ -81,6 +88,8 @@ class TransientStep {
     Eigen::VectorXd force;     ///< r = C v + f_int − f_ext (N)
     Eigen::VectorXd residual;  ///< M a + θ r + (1 − θ) r_n (N)
   };
+  SolveReport accelerate(State& state, Eigen::VectorXd& a, Eigen::VectorXd& react) const;
+  [[nodiscard]] Eigen::VectorXd commanded_forces(const State& state) const;
   SolveReport settle(const MotionSet& motions, State& state, WrenchSet& wrenches) const;
   /// Returns the times of what it did.
   StepTimes linearise(const State& begin, double h_s, Linearisation& kept) const;

@@ -12,6 +12,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_fem(app, exit_code);
   add_bench(app);
   add_report(app);
+  add_control(app);
   add_log(app);
   add_check(app);
   add_keys(app);

@@ -17,6 +17,7 @@ void add_advise(CLI::App& app);
 void add_replay(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app);
 void add_bench(CLI::App& app);
+void add_control(CLI::App& app);
 void add_log(CLI::App& app);
 void add_check(CLI::App& app);
 void add_keys(CLI::App& app);

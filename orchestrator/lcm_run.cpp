@@ -4,12 +4,15 @@
 #include <fmt/ranges.h>
 
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <utility>
 #include <variant>
 
 #include "orchestrator/interruption.h"
 #include "orchestrator/side_launch.h"
+#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/driver/control_inbox.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/journal_receiver.h"
 #include "protocol/wire/remote_side.h"
@@ -60,7 +63,12 @@ class LcmRun {
         bus_(bus_options(model.wire, run_id)),
         heartbeat_(bus_, model.wire.timeout_s),
         launch_({Process::Mbs, Process::Fem}, directory, run_id, bus_.options().port,
-                options.attach, options.silent) {}
+                options.attach, options.silent) {
+    const nlohmann::ordered_json address = {{"run_id", fmt::format("{:016x}", run_id)},
+                                            {"port", bus_.options().port},
+                                            {"ttl", bus_.options().ttl}};
+    write_text_file(directory.bus(), address.dump() + "\n");
+  }
 
   wire::Finished run() {
     try {
@@ -156,8 +164,11 @@ class LcmRun {
     wire::RemoteMbs mbs(bus_, monitor, options(Process::Mbs));
     wire::RemoteFem fem(bus_, monitor, options(Process::Fem));
     HubSink sink(recorder_, heartbeat_, monitor, launch_);
-    RunReport report = run_coupled(scheme_run(model_.run, model_.coupling),
-                                   {mbs, Locality::Elsewhere}, {fem, Locality::Elsewhere}, sink);
+    ControlInbox inbox(bus_);
+    CoupledRunParams params = scheme_run(model_.run, model_.coupling);
+    params.commands = &inbox;
+    RunReport report =
+        run_coupled(params, {mbs, Locality::Elsewhere}, {fem, Locality::Elsewhere}, sink);
     report.ledger.book_lost(bus_.counts().damaged);
     monitor.also_watch({});
     fem.close();

@@ -37,8 +37,9 @@ void export_csv(const RunDirectory& run, std::FILE* out) {
   put(out, "macro_step,iteration,side,kind,accepted,rollback,outcome," +
                interface_header(model.port_names));
   while (const auto journal = log.next_step()) {
-    for (const wire::CallRecord& call : journal->calls)
-      put(out, call_row(call, journal->step.time));
+    for (const wire::CallRecord& call : journal->calls) {
+      if (call.kind != wire::CallKind::Command) put(out, call_row(call, journal->step.time));
+    }
   }
   if (std::fflush(out) != 0) put(out, "\n");
 }
@@ -46,17 +47,23 @@ void export_csv(const RunDirectory& run, std::FILE* out) {
 std::string describe_log(const RunDirectory& run) {
   wire::LogReader log(run.log());
   std::int64_t steps = 0, calls = 0, discarded = 0;
+  std::string commands;
   while (const auto journal = log.next_step()) {
     steps = journal->step.macro_step;
     for (const wire::CallRecord& call : journal->calls) {
+      if (call.kind == wire::CallKind::Command) {
+        commands += fmt::format("  command      before macro step {}: {}: {}{}\n", call.macro_step,
+                                call.command, call.accepted ? "" : "refused: ", call.message);
+        continue;
+      }
       ++calls;
       discarded += call.accepted ? 0 : 1;
     }
   }
   return fmt::format(
       "{}\n  run id       {:016x}\n  written by   {}\n  macro steps  {}\n  calls        {} ({} "
-      "discarded by rollback)\n  ends         {}\n",
-      run.log().string(), log.run_id(), log.scenario().versions, steps, calls, discarded,
+      "discarded by rollback)\n{}  ends         {}\n",
+      run.log().string(), log.run_id(), log.scenario().versions, steps, calls, discarded, commands,
       log.finished() ? fmt::format("with its last event, exit code {} {}",
                                    log.finished()->exit_code, log.finished()->message)
                      : "without its last event: the run was cut off");

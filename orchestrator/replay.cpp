@@ -48,6 +48,12 @@ std::string repeat(const CallRecord& call, Subsystem<In, Out>& side,
                    const std::vector<std::string>& ports, double tolerance) {
   if (call.checkpoint_first) side.checkpoint();
   if (call.rollback_first) side.rollback();
+  if (call.kind == CallKind::Command) {
+    const CommandResult result = side.command(call.command);
+    if (result.accepted == (call.outcome == Outcome::Done)) return {};
+    return fmt::format("command '{}': logged as {}, replayed: {}", call.command,
+                       call.outcome == Outcome::Done ? "accepted" : "refused", result.message);
+  }
   const Segment<In>& input = inputs<In>(call);
   const Out& logged = inputs<Out>(call).end;
   if (call.kind == CallKind::Initialize) {

@@ -11,6 +11,7 @@ namespace tandem::orchestrator {
 ///   steps.csv      one row per macro step             ports.csv     accepted motions and wrenches
 ///   bodies.csv     every rigid body                   fem/*.vtu     for ParaView
 ///   mbs.log, fem.log   what the processes said        summary.json  the numbers of the run
+///   bus.json       where a run over LCM is heard: run id, port, ttl
 class RunDirectory {
  public:
   /// Creates the folder. A folder that already holds a run is refused when the user named it, and
@@ -28,6 +29,7 @@ class RunDirectory {
   [[nodiscard]] std::filesystem::path scenario() const { return path_ / "scenario.yaml"; }
   [[nodiscard]] std::filesystem::path log() const { return path_ / "exchange.lcm"; }
   [[nodiscard]] std::filesystem::path summary() const { return path_ / "summary.json"; }
+  [[nodiscard]] std::filesystem::path bus() const { return path_ / "bus.json"; }
   [[nodiscard]] std::filesystem::path process_log(const std::string& side) const {
     return path_ / (side + ".log");
   }

@@ -65,6 +65,13 @@ struct Observation {
   std::uint64_t state_hash = 0;  ///< of every bit that influences the future
 };
 
+/// How a side took a command.
+struct CommandResult {
+  bool accepted = false;
+  std::string message;  ///< what was done, or why not
+  CallCost cost;
+};
+
 /// One of the two sides of a coupled run. Causality is in the types: the multibody side maps
 /// wrenches to motions, the flexible side maps motions to wrenches. A scheme cannot tell whether a
 /// side is a local object, a proxy to a process, a recorded log or a mock.
@@ -91,6 +98,12 @@ class Subsystem {
 
   /// Restores the last checkpoint bit for bit, any number of times.
   virtual void rollback() = 0;
+
+  /// A change of the accepted state from outside, between macro steps: right before a checkpoint().
+  /// What a side understands is its own; a refused command changes nothing.
+  virtual CommandResult command(const std::string& text) {
+    return {.message = info().name + ": takes no commands, not '" + text + "'.", .cost = {}};
+  }
 
   /// Energies and state hash of the present state; changes nothing.
   virtual Observation observe() = 0;

@@ -86,6 +86,7 @@ class CoupledRun {
     const double start_s = now_s();
     mbs_meter_ = {};
     fem_meter_ = {};
+    take_commands(n);
     mbs_.checkpoint();
     fem_.checkpoint();
     const MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
@@ -105,6 +106,13 @@ class CoupledRun {
             .ledger = ledger},
            start_s);
     if (report_.status == RunStatus::Done) accept(n, t_end, end);
+  }
+
+  void take_commands(std::int64_t n) {
+    if (params_.commands == nullptr) return;
+    for (const Command& command : params_.commands->take()) {
+      params_.commands->answer(command, n, fem_.command(command.text));
+    }
   }
 
   double book_defect(SimTime H, const MacroStepEnd& end) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "protocol/driver/command_source.h"
 #include "protocol/driver/run_report.h"
 #include "protocol/scenario/common_keys.h"
 #include "protocol/schemes/coupling_params.h"
@@ -36,6 +37,7 @@ struct CoupledRunParams {
   CouplingParams coupling;
   std::string scheme_name;
   SchemeMaker make_scheme;
+  CommandSource* commands = nullptr;  ///< commands to the flexible side; null: none come
 };
 
 /// The run with the scheme that `coupling` names.
@@ -44,8 +46,8 @@ struct CoupledRunParams {
 
 /// The stepping loop of every coupled run, whatever the transport:
 ///   m_0 = M.initialize(0); λ_0 = Λ.initialize(m_0)
-///   for n = 1 … N:  checkpoint both; scheme makes the macro step; check divergence; record
-///   checkpoint both; observe both
+///   for n = 1 … N:  commands to the flexible side; checkpoint both; scheme makes the macro step;
+///   check divergence; record checkpoint both; observe both
 /// The ports' lengths come from the flexible side. Throws only what the sides and the sink throw; a
 /// numerical end is a status of the report, and every macro step made has been recorded.
 [[nodiscard]] RunReport run_coupled(const CoupledRunParams& params, PlacedSide<MbsSide> mbs,

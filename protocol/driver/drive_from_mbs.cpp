@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "protocol/driver/control_inbox.h"
 #include "protocol/driver/coupled_run.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/journal_sender.h"
@@ -39,8 +40,10 @@ int drive_from_mbs(SideContext& context, MbsSide& mbs) {
                              static_cast<int>(context.wire.credit_window));
   SendingSink sink(sender, context);
   const CouplingParams coupling = read_coupling(context.scenario.root);
-  RunReport report = run_coupled(scheme_run(context.run, coupling), {mbs, Locality::Here},
-                                 {fem, Locality::Elsewhere}, sink);
+  ControlInbox inbox(context.bus);
+  CoupledRunParams params = scheme_run(context.run, coupling);
+  params.commands = &inbox;
+  RunReport report = run_coupled(params, {mbs, Locality::Here}, {fem, Locality::Elsewhere}, sink);
   report.ledger.book_lost(context.bus.counts().damaged);
   context.heartbeat.set_phase("ending");
   fem.close();

@@ -36,6 +36,15 @@ class MeteredSide final : public Subsystem<In, Out> {
     meter_.pending_s = 0.0;
     book([this] { inner_.rollback(); });
   }
+  CommandResult command(const std::string& text) override {
+    const double start_s = now_s();
+    CommandResult result = inner_.command(text);
+    const double duration_s = now_s() - start_s;
+    if (locality_ == Locality::Here) result.cost.compute_s = duration_s;
+    meter_.cost += result.cost;
+    meter_.duration_s += duration_s;
+    return result;
+  }
   StepResult<Out> advance(const StepRequest<In>& request) override {
     const double start_s = now_s();
     StepResult<Out> result = inner_.advance(request);

@@ -14,13 +14,14 @@ enum class SideName : std::int8_t { Mbs = 0, Fem = 1 };
   return side == SideName::Mbs ? "mbs" : "fem";
 }
 
-enum class CallKind : std::int8_t { Initialize = 0, Advance = 1 };
+enum class CallKind : std::int8_t { Initialize = 0, Advance = 1, Command = 2 };
 
 /// One call of one side as the driver saw it: enough to make the call again and to compare what
 /// comes out. Whatever the side, `wrenches` and `motions` hold both of its ends:
 ///   mbs: input = wrenches.begin, wrenches.end; output = motions.end  (motions.begin is empty)
 ///   fem: input = motions.begin, motions.end;   output = wrenches.end (wrenches.begin is empty)
-/// Initialize has its input in `.end` alone.
+/// Initialize has its input in `.end` alone. A Command has its text, and outcome Failed when it was
+/// refused.
 struct CallRecord {
   SideName side = SideName::Mbs;
   CallKind kind = CallKind::Initialize;
@@ -34,8 +35,9 @@ struct CallRecord {
   Segment<WrenchSet> wrenches;
   Segment<MotionSet> motions;
   Outcome outcome = Outcome::Done;
-  std::string message;  ///< empty when Done
+  std::string message;  ///< empty when Done; of a command: what was done, or why not
   std::int32_t solver_iterations = 0;
+  std::string command;  ///< Command: its text
 };
 
 /// One macro step as the scheme ended it. Macro step 0 carries the initialization.

@@ -18,6 +18,10 @@ class CallJournal {
   std::vector<CallRecord> take() {
     bool open[2] = {true, true};
     for (auto call = calls_.rbegin(); call != calls_.rend(); ++call) {
+      if (call->kind == CallKind::Command) {
+        call->accepted = call->outcome == Outcome::Done;
+        continue;
+      }
       bool& last = open[static_cast<int>(call->side)];
       call->accepted = last && call->outcome != Outcome::Failed;
       last = false;
@@ -59,6 +63,17 @@ class JournaledSide final : public Subsystem<In, Out> {
     call.outcome = result.outcome;
     call.message = result.message;
     call.solver_iterations = result.solver_iterations;
+    return result;
+  }
+
+  CommandResult command(const std::string& text) override {
+    CommandResult result = inner_.command(text);
+    CallRecord& call = append(CallKind::Command);
+    ++call.macro_step;  // it acts on the step that the next checkpoint opens
+    call.iteration = 0;
+    call.command = text;
+    call.outcome = result.accepted ? Outcome::Done : Outcome::Failed;
+    call.message = result.message;
     return result;
   }
 

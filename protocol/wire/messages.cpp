@@ -33,12 +33,14 @@ void encode(const RequestView& request, Bytes& message) {
                {{request.motions_begin.size(), kMotionBytes},
                 {request.motions_end.size(), kMotionBytes},
                 {request.wrenches_begin.size(), kWrenchBytes},
-                {request.wrenches_end.size(), kWrenchBytes}},
+                {request.wrenches_end.size(), kWrenchBytes},
+                {request.head.command.size(), 1}},
                message)
       .add(request.motions_begin)
       .add(request.motions_end)
       .add(request.wrenches_begin)
-      .add(request.wrenches_end);
+      .add(request.wrenches_end)
+      .add(std::span<const char>(request.head.command));
 }
 
 Bytes encode(const Request& request) {
@@ -52,8 +54,10 @@ Bytes encode(const Request& request) {
 
 bool decode(ByteView message, Request& request) {
   const auto fixed = codec::fixed_part<tandem_wire::request_t>(
-      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes});
-  if (!fixed || fixed->call < 0 || fixed->call > static_cast<int>(RequestKind::Bye)) return false;
+      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1});
+  if (!fixed || fixed->call < 0 || fixed->call > static_cast<int>(RequestKind::Command)) {
+    return false;
+  }
   request.header = unpack(fixed->header);
   request.call = static_cast<RequestKind>(fixed->call);
   request.checkpoint_first = fixed->checkpoint_first != 0;
@@ -64,7 +68,8 @@ bool decode(ByteView message, Request& request) {
       .take(count_at(message, 0), request.motions.begin)
       .take(count_at(message, 1), request.motions.end)
       .take(count_at(message, 2), request.wrenches.begin)
-      .take(count_at(message, 3), request.wrenches.end);
+      .take(count_at(message, 3), request.wrenches.end)
+      .take(count_at(message, 4), request.command);
   return true;
 }
 

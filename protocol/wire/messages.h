@@ -15,7 +15,13 @@ namespace tandem::wire {
 /// Number of the wire format; both ends of a handshake compare it.
 inline constexpr std::int32_t kProtocolVersion = 2;
 
-enum class RequestKind : std::int32_t { Initialize = 0, Advance = 1, Observe = 2, Bye = 3 };
+enum class RequestKind : std::int32_t {
+  Initialize = 0,
+  Advance = 1,
+  Observe = 2,
+  Bye = 3,
+  Command = 4
+};
 
 /// One call to a side. Which of motions and wrenches is filled depends on the side.
 ///
@@ -30,6 +36,7 @@ struct Request {
   SimTime step{};
   Segment<MotionSet> motions;
   Segment<WrenchSet> wrenches;
+  std::string command;  ///< Command: its text; the reply's outcome is Failed when it was refused
 };
 
 /// A request whose arrays stay where they are: `head` without its segments.
@@ -93,6 +100,19 @@ struct Credit {
   std::int64_t wanted = 0;
 };
 
+/// A command to the flexible side of a running pair; header.sequence names it.
+struct Control {
+  Header header;
+  std::string text;
+};
+
+/// The driver's answer; header.macro_step is the first that the command acts on.
+struct Controlled {
+  Header header;
+  bool accepted = false;
+  std::string message;
+};
+
 struct Chunk {
   Header header;
   Kind whole_kind = Kind::Journal;
@@ -119,6 +139,8 @@ void encode(const Reply& reply, Bytes& message);
 [[nodiscard]] Bytes encode(const Abort& abort);
 [[nodiscard]] Bytes encode(const Credit& credit);
 void encode(const Chunk& chunk, Bytes& message);
+[[nodiscard]] Bytes encode(const Control& control);
+[[nodiscard]] Bytes encode(const Controlled& controlled);
 /// Messages of the journal: macro step and iteration of the header are those of the record.
 [[nodiscard]] Bytes encode(const Header& header, const CallRecord& call);
 [[nodiscard]] Bytes encode(const Header& header, const StepRecord& step);
@@ -138,6 +160,8 @@ void encode(const Chunk& chunk, Bytes& message);
 [[nodiscard]] std::optional<Abort> decode_abort(ByteView message);
 [[nodiscard]] std::optional<Credit> decode_credit(ByteView message);
 [[nodiscard]] std::optional<Chunk> decode_chunk(ByteView message);
+[[nodiscard]] std::optional<Control> decode_control(ByteView message);
+[[nodiscard]] std::optional<Controlled> decode_controlled(ByteView message);
 [[nodiscard]] std::optional<CallRecord> decode_call(ByteView message);
 [[nodiscard]] std::optional<StepRecord> decode_step(ByteView message);
 [[nodiscard]] std::optional<StepJournal> decode_journal(ByteView message);

@@ -37,21 +37,24 @@ Bytes encode(const Header& header, const CallRecord& call) {
                 {call.motions.end.size(), kMotionBytes},
                 {call.wrenches.begin.size(), kWrenchBytes},
                 {call.wrenches.end.size(), kWrenchBytes},
-                {call.message.size(), 1}},
+                {call.message.size(), 1},
+                {call.command.size(), 1}},
                message)
       .add(call.motions.begin)
       .add(call.motions.end)
       .add(call.wrenches.begin)
       .add(call.wrenches.end)
-      .add(std::span<const char>(call.message));
+      .add(std::span<const char>(call.message))
+      .add(std::span<const char>(call.command));
   return message;
 }
 
 std::optional<CallRecord> decode_call(ByteView message) {
   const auto fixed = codec::fixed_part<tandem_wire::call_t>(
-      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1});
-  if (!fixed || fixed->side < 0 || fixed->side > 1 || fixed->call < 0 || fixed->call > 1 ||
-      fixed->outcome < 0 || fixed->outcome > static_cast<int>(Outcome::Failed)) {
+      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1, 1});
+  if (!fixed || fixed->side < 0 || fixed->side > 1 || fixed->call < 0 ||
+      fixed->call > static_cast<int>(CallKind::Command) || fixed->outcome < 0 ||
+      fixed->outcome > static_cast<int>(Outcome::Failed)) {
     return std::nullopt;
   }
   CallRecord call;
@@ -71,7 +74,8 @@ std::optional<CallRecord> decode_call(ByteView message) {
       .take(count_at(message, 1), call.motions.end)
       .take(count_at(message, 2), call.wrenches.begin)
       .take(count_at(message, 3), call.wrenches.end)
-      .take(count_at(message, 4), call.message);
+      .take(count_at(message, 4), call.message)
+      .take(count_at(message, 5), call.command);
   return call;
 }
 

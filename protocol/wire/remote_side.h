@@ -52,6 +52,16 @@ class RemoteSide final : public Subsystem<In, Out> {
     return result;
   }
 
+  CommandResult command(const std::string& text) override {
+    Request head = make(RequestKind::Command);
+    head.command = text;
+    CommandResult result;
+    Reply& reply = link_.call(view(head, {}, {}), result.cost);
+    result.accepted = reply.outcome == Outcome::Done;
+    result.message = std::move(reply.message);
+    return result;
+  }
+
   void checkpoint() override {
     checkpoint_first_ = true;
     memory_.accept();

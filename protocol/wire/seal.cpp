@@ -65,6 +65,10 @@ const char* text_of(Kind kind) {
       return "scenario";
     case Kind::SelfTest:
       return "selftest";
+    case Kind::Control:
+      return "control";
+    case Kind::Controlled:
+      return "controlled";
   }
   return "unknown";
 }

@@ -28,6 +28,8 @@ enum class Kind : std::int32_t {
   Step = 13,
   Scenario = 14,
   SelfTest = 15,
+  Control = 16,
+  Controlled = 17,
 };
 inline constexpr std::size_t kKinds = 16;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name

@@ -68,6 +68,12 @@ void serve(Subsystem<In, Out>& side, Bus& bus, LivenessMonitor& monitor,
       case RequestKind::Observe:
         reply.observation = side.observe();
         break;
+      case RequestKind::Command: {
+        const CommandResult result = side.command(request.command);
+        reply.outcome = result.accepted ? Outcome::Done : Outcome::Failed;
+        reply.message = result.message;
+        break;
+      }
       case RequestKind::Bye:
         break;
     }

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "protocol/driver/command_source.h"
+#include "protocol/wire/bus.h"
+#include "protocol/wire/messages.h"
+
+namespace tandem {
+
+/// The driver's end of the control channel: commands that `tandem control` publishes on the bus of
+/// the run. A sender repeats its command until it is answered: each is made once, a repetition gets
+/// the same answer. The answers to the last commands are kept for that.
+class ControlInbox final : public CommandSource {
+ public:
+  explicit ControlInbox(wire::Bus& bus);
+
+  [[nodiscard]] std::vector<Command> take() override;
+  void answer(const Command& command, std::int64_t macro_step,
+              const CommandResult& result) override;
+
+ private:
+  void on_control(wire::ByteView message);
+  void publish(const wire::Controlled& answer);
+
+  wire::Bus& bus_;
+  std::vector<Command> waiting_;
+  std::deque<wire::Controlled> answered_;
+  wire::Subscription controls_;
+};
+
+/// The sender's end: publishes `text` until the driver has answered. Throws tandem::Error (Partner)
+/// when no run is heard on the bus, or its processes fall silent for `timeout_s`.
+[[nodiscard]] wire::Controlled send_command(wire::Bus& bus, const std::string& text,
+                                            double timeout_s);
+
+}  // namespace tandem
