@@ -3,6 +3,7 @@
 #include "fem_process/fem_keys.h"
 #include "fem_process/make_model.h"
 #include "protocol/driver/side_process.h"
+#include "protocol/schemes/transmission_line.h"
 
 int main(int argc, char** argv) {
   using namespace tandem;
@@ -13,7 +14,8 @@ int main(int argc, char** argv) {
           "Flexible-body process of a coupled run: finite elements of a solid, or an ANCF chain.",
       .keys = fem::fem_keys()};
   return run_side_process(program, argc, argv, [](SideContext& context) {
-    const auto side = fem::make_model(context.scenario.root, context.directory);
+    const auto side = prepared_for(read_coupling(context.scenario.root),
+                                   fem::make_model(context.scenario.root, context.directory));
     serve_side(context, *side);
     return 0;
   });

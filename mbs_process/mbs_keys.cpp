@@ -223,6 +223,12 @@ Key mbs_keys() {
           .above(0)
           .doc_is("Step of the multibody integrator, a whole fraction of the macro step. Left out: "
                   "the macro step."),
+      scenario::choice("integrator", {"euler", "verlet"})
+          .by_default("euler")
+          .doc_is(
+              "ODE's own semi-implicit Euler step, first order and robust, or velocity Verlet on "
+              "two steps of ODE, second order; for vibration together with a second-order "
+              "fem.integrator."),
       scenario::real("erp", "").between(0, 1).by_default("0.2").doc_is(
           "Share of a joint's position error that one step removes."),
       scenario::real("cfm", "").at_least(0).by_default("1e-10").doc_is(

@@ -93,13 +93,13 @@ void set_motion(dBodyID body, const BodyState& state) {
   dBodySetAngularVel(body, state.w_WB.x(), state.w_WB.y(), state.w_WB.z());
 }
 
-dBodyID create_body(dWorldID world, const BodyParams& params) {
+dBodyID create_body(dWorldID world, const BodyParams& params, bool implicit_gyroscopic_torque) {
   dBodyID body = dBodyCreate(world);
   dMass mass;
   const auto& I = params.inertia_kg_m2;
   dMassSetParameters(&mass, params.mass_kg, 0, 0, 0, I[0], I[1], I[2], I[3], I[4], I[5]);
   dBodySetMass(body, &mass);
-  dBodySetGyroscopicMode(body, 1);
+  dBodySetGyroscopicMode(body, implicit_gyroscopic_torque ? 1 : 0);
   dBodySetFiniteRotationMode(body, 1);
   dBodySetFiniteRotationAxis(body, 0, 0, 0);
   set_motion(body, {params.p_WB, params.q_WB, params.v_WB, params.w_WB});
@@ -214,7 +214,8 @@ void OdeWorld::Retire::operator()(Impl* impl) const {
   kept->push_back(impl);
 }
 
-OdeWorld::OdeWorld(const Params& params) : impl_(new Impl) {
+OdeWorld::OdeWorld(const Params& params)
+    : impl_(new Impl), gravity_m_per_s2_(params.gravity_m_per_s2), erp_(params.erp) {
   Impl& impl = *impl_;
   impl.world.reset(dWorldCreate());
   dWorldID world = impl.world.get();
@@ -223,13 +224,14 @@ OdeWorld::OdeWorld(const Params& params) : impl_(new Impl) {
   impl.threading.reset(dThreadingAllocateSelfThreadedImplementation());
   dWorldSetStepThreadingImplementation(
       world, dThreadingImplementationGetFunctions(impl.threading.get()), impl.threading.get());
-  const Eigen::Vector3d& g = params.gravity_m_per_s2;
-  dWorldSetGravity(world, g.x(), g.y(), g.z());
-  dWorldSetERP(world, params.erp);
+  dWorldSetERP(world, params.erp);  // what limits take over when their joints are made
   dWorldSetCFM(world, params.cfm);
   dWorldSetAutoDisableFlag(world, 0);
   dWorldSetStepIslandsProcessingMaxThreadCount(world, 1);
-  for (const BodyParams& body : params.bodies) impl.bodies.push_back(create_body(world, body));
+  const bool implicit_gyroscopic_torque = params.integrator == IntegratorKind::Euler;
+  for (const BodyParams& body : params.bodies) {
+    impl.bodies.push_back(create_body(world, body, implicit_gyroscopic_torque));
+  }
 
   impl.feedbacks.resize(params.joints.size());
   for (std::size_t j = 0; j < params.joints.size(); ++j) {
@@ -259,10 +261,13 @@ void OdeWorld::set_motor_speed(std::size_t joint, double speed) {
   set_parameter(impl_->joints[joint], impl_->motor_axes[joint], dParamVel, speed);
 }
 
-void OdeWorld::step(double h_s, const std::vector<BodyWrench>& applied) {
+void OdeWorld::step(double h_s, const std::vector<BodyWrench>& applied, double share, double erp) {
+  const Eigen::Vector3d g = share * gravity_m_per_s2_;
+  dWorldSetGravity(impl_->world.get(), g.x(), g.y(), g.z());
+  dWorldSetERP(impl_->world.get(), erp);
   for (std::size_t i = 0; i < applied.size(); ++i) {
-    const Eigen::Vector3d& f = applied[i].f_B_W;
-    const Eigen::Vector3d& t = applied[i].t_B_W;
+    const Eigen::Vector3d f = share * applied[i].f_B_W;
+    const Eigen::Vector3d t = share * applied[i].t_B_W;
     dBodySetForce(impl_->bodies[i], f.x(), f.y(), f.z());
     dBodySetTorque(impl_->bodies[i], t.x(), t.y(), t.z());
   }

@@ -41,7 +41,10 @@ class OdeWorld {
   /// Rate that the motor of `joint` aims at in the next step (rad/s, slider: m/s).
   void set_motor_speed(std::size_t joint, double speed);
   /// One dWorldStep of h_s under `applied` (one entry per body). Throws OdeFault.
-  void step(double h_s, const std::vector<BodyWrench>& applied);
+  void step(double h_s, const std::vector<BodyWrench>& applied) { step(h_s, applied, 1.0, erp_); }
+  /// The same with `share` of gravity and of `applied`, and another fraction erp. With half the
+  /// forces the velocities gain what h/2 gives and the poses move by h.
+  void step(double h_s, const std::vector<BodyWrench>& applied, double share, double erp);
   void read(std::vector<BodyState>& bodies) const;
   /// Adds what the joints (motors and limits included) exerted on each body in the last step.
   void add_reactions(std::vector<BodyWrench>& on_bodies) const;
@@ -54,6 +57,8 @@ class OdeWorld {
     void operator()(Impl* impl) const;
   };
   std::unique_ptr<Impl, Retire> impl_;
+  Eigen::Vector3d gravity_m_per_s2_;
+  double erp_;
 };
 
 }  // namespace tandem::mbs

@@ -114,13 +114,20 @@ struct ForceParams {
   Law law;                                                ///< N or N·m
 };
 
+/// How a micro step is made of ODE's steps; see RigidWorld.
+enum class IntegratorKind {
+  Euler,  ///< semi-implicit Euler, ODE's own: one dWorldStep, first order
+  Verlet  ///< velocity Verlet with constrained velocities: two dWorldSteps, second order
+};
+
 /// Everything that a RigidWorld is made of.
 struct Params {
   Eigen::Vector3d gravity_m_per_s2 = Eigen::Vector3d(0.0, 0.0, -9.81);
   SimTime macro_step{};  ///< nominal H; what info() reports when no micro step is given
   std::optional<SimTime> micro_step;  ///< h; none = one step of ODE per macro step
-  double erp = 0.2;                   ///< share of a joint's position error removed in one step
-  double cfm = 1e-10;                 ///< constraint force mixing: J v⁺ + (cfm / h) λ = rhs
+  IntegratorKind integrator = IntegratorKind::Euler;
+  double erp = 0.2;    ///< share of a joint's position error removed in one step
+  double cfm = 1e-10;  ///< constraint force mixing: J v⁺ + (cfm / h) λ = rhs
   std::vector<BodyParams> bodies;
   std::vector<JointParams> joints;
   std::vector<SpringParams> springs;

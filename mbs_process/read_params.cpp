@@ -166,6 +166,8 @@ SimTime read_micro_step(const Node& mbs, SimTime macro_step) {
 Params read_mechanism(const Node& mbs) {
   Params params;
   params.gravity_m_per_s2 = mbs.vector3("gravity_m_per_s2");
+  params.integrator =
+      mbs.text("integrator") == "verlet" ? IntegratorKind::Verlet : IntegratorKind::Euler;
   params.erp = mbs.real("erp");
   params.cfm = mbs.real("cfm");
   for (const Node& node : mbs.list("bodies")) {

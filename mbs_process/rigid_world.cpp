@@ -31,6 +31,18 @@ bool all_finite(const BodyState& body) {
          body.w_WB.allFinite();
 }
 
+/// Work of constant wrenches over h while the velocities go from `before` to `after` (J).
+double work_J(const std::vector<BodyWrench>& wrenches, const std::vector<BodyState>& before,
+              const std::vector<BodyState>& after, double h_s) {
+  double work = 0.0;
+  for (std::size_t i = 0; i < wrenches.size(); ++i) {
+    work += 0.5 * h_s *
+            (wrenches[i].f_B_W.dot(before[i].v_WB + after[i].v_WB) +
+             wrenches[i].t_B_W.dot(before[i].w_WB + after[i].w_WB));
+  }
+  return work;
+}
+
 std::string at_time(SimTime t) { return " at t = " + std::to_string(to_seconds(t)) + " s"; }
 
 }  // namespace
@@ -152,9 +164,13 @@ std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_ste
   }
   for (std::int64_t j = 1; j <= n; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
-    if (auto failure = integrate_micro_step(state, h, interpolate(input, s, macro_step))) {
-      return failure;
+    WrenchSet wrenches = interpolate(input, s, macro_step);
+    if (params_.integrator == IntegratorKind::Verlet) {
+      const double s_begin = static_cast<double>(j - 1) / static_cast<double>(n);
+      const WrenchSet begin = j == 1 ? input.begin : interpolate(input, s_begin, macro_step);
+      wrenches = unstack_wrenches(0.5 * (stack(begin) + stack(wrenches)));
     }
+    if (auto failure = integrate_micro_step(state, h, wrenches)) return failure;
   }
   return std::nullopt;
 }
@@ -162,16 +178,12 @@ std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_ste
 std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTime h,
                                                             const WrenchSet& wrenches) {
   const double h_s = to_seconds(h);
-  std::vector<BodyWrench> applied(state.bodies.size());
-  std::vector<BodyWrench> booked(state.bodies.size());
-  loads_.add_to(state, to_seconds(state.time + h), applied, booked);
-  add_port_wrenches(state, wrenches, applied);
-  const std::vector<BodyState> before = state.bodies;
   try {
-    world_.load(state.bodies);
-    command_motors(state, h_s);
-    world_.step(h_s, applied);
-    world_.read(state.bodies);
+    if (params_.integrator == IntegratorKind::Verlet) {
+      verlet_step(state, h_s, wrenches);
+    } else {
+      euler_step(state, h_s, wrenches);
+    }
   } catch (const OdeFault& fault) {
     return "mbs: " + std::string(fault.what()) + at_time(state.time) +
            ". Shorten the step, or raise mbs.cfm where joints constrain the same motion twice.";
@@ -181,29 +193,86 @@ std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTim
     return "mbs: the motion of body '" + params_.bodies[i].name + "' is not finite" +
            at_time(state.time + h) + ". Shorten the step or check the loads on it.";
   }
-  // Work over the step: exact for the linear momentum equation, as Δ(½ m v²) = Σ f h · (v + v⁺)/2.
-  world_.add_reactions(booked);
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    state.external_work_J += 0.5 * h_s *
-                             (booked[i].f_B_W.dot(before[i].v_WB + state.bodies[i].v_WB) +
-                              booked[i].t_B_W.dot(before[i].w_WB + state.bodies[i].w_WB));
-  }
-  track_coordinates(state);
   state.time += h;
   return std::nullopt;
 }
 
-void RigidWorld::command_motors(const State& state, double h_s) {
+void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches) {
+  std::vector<BodyWrench> applied(state.bodies.size());
+  std::vector<BodyWrench> booked(state.bodies.size());
+  loads_.add_to(state, to_seconds(state.time) + h_s, applied, booked);
+  add_port_wrenches(state, wrenches, applied);
+  const std::vector<BodyState> before = state.bodies;
+  world_.load(state.bodies);
+  command_motors(state, h_s);
+  world_.step(h_s, applied);
+  world_.read(state.bodies);
+  // Work over the step: exact for the linear momentum equation, as Δ(½ m v²) = Σ f h · (v + v⁺)/2.
+  world_.add_reactions(booked);
+  state.external_work_J += work_J(booked, before, state.bodies, h_s);
+  track_coordinates(state);
+}
+
+void RigidWorld::verlet_step(State& state, double h_s, const WrenchSet& wrenches) {
+  const double t_s = to_seconds(state.time);
+  const std::vector<BodyState> begin = state.bodies;
+  half_kick(state, t_s, h_s, wrenches, begin, params_.erp);
+  track_coordinates(state);
+  // Forces at the end need its velocities before they are known: 2 u − v is right to O(h²).
+  const std::vector<BodyState> middle = state.bodies;
+  for (std::size_t i = 0; i < begin.size(); ++i) {
+    state.bodies[i].v_WB = 2.0 * middle[i].v_WB - begin[i].v_WB;
+    state.bodies[i].w_WB = 2.0 * middle[i].w_WB - begin[i].w_WB;
+  }
+  half_kick(state, t_s + h_s, h_s, wrenches, middle, 0.0);
+  // The second half changes velocities alone.
+  for (std::size_t i = 0; i < begin.size(); ++i) {
+    state.bodies[i].p_WB = middle[i].p_WB;
+    state.bodies[i].q_WB = middle[i].q_WB;
+  }
+}
+
+void RigidWorld::half_kick(State& state, double t_s, double h_s, const WrenchSet& wrenches,
+                           const std::vector<BodyState>& bodies, double erp) {
+  std::vector<BodyWrench> applied(bodies.size());
+  std::vector<BodyWrench> booked(bodies.size());
+  std::vector<BodyWrench> reactions(bodies.size());
+  loads_.add_to(state, t_s, applied, booked);
+  add_port_wrenches(state, wrenches, applied);
+  add_gyroscopic_torques(state, applied);
+  world_.load(bodies);
+  command_motors(state, h_s, erp == 0.0);
+  world_.step(h_s, applied, 0.5, erp);
+  world_.read(state.bodies);
+  world_.add_reactions(reactions);
+  state.external_work_J += work_J(booked, bodies, state.bodies, 0.5 * h_s) +
+                           work_J(reactions, bodies, state.bodies, h_s);
+}
+
+void RigidWorld::add_gyroscopic_torques(const State& state,
+                                        std::vector<BodyWrench>& applied) const {
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const Eigen::Quaterniond& q_WB = state.bodies[i].q_WB;
+    const Eigen::Vector3d w_B = q_WB.conjugate() * state.bodies[i].w_WB;
+    applied[i].t_B_W -= q_WB * w_B.cross(params_.bodies[i].inertia_B() * w_B);
+  }
+}
+
+void RigidWorld::command_motors(const State& state, double h_s, bool at_end) {
   const double t = to_seconds(state.time);
+  const bool verlet = params_.integrator == IntegratorKind::Verlet;
   for (std::size_t j = 0; j < params_.joints.size(); ++j) {
     const auto& motor = params_.joints[j].motor;
     if (!motor) continue;
-    double speed = motor->law(t + h_s);
-    if (motor->kind == MotorParams::Kind::Position) {
+    // Over a step of Verlet's the rate is that of its middle.
+    double speed = motor->law(verlet && !at_end ? t + 0.5 * h_s : t + h_s);
+    if (motor->kind == MotorParams::Kind::Position && at_end) {
+      speed = (motor->law(t + 1.5 * h_s) - motor->law(t + 0.5 * h_s)) / h_s;
+    } else if (motor->kind == MotorParams::Kind::Position) {
       const double coordinate =
           state.joint_coordinates[j][static_cast<std::size_t>(motor->axis - 1)];
       const double target = motor->law(t) - motor->law(0.0);
-      speed = (speed - motor->law(t) - params_.erp * (coordinate - target)) / h_s;
+      speed = (motor->law(t + h_s) - motor->law(t) - params_.erp * (coordinate - target)) / h_s;
     }
     world_.set_motor_speed(j, speed);
   }

@@ -19,6 +19,15 @@ namespace tandem::mbs {
 ///   p_WP = p_WB + R_WB p_BP,   v_WP = v_WB + w_WB × (R_WB p_BP),   w_WP = w_WB.
 /// A macro step H = n h makes n steps of OdeWorld; step j = 1…n applies the wrenches that the
 /// segment has at j/n (the end value when n = 1) in the pose at the beginning of the step.
+/// With IntegratorKind::Verlet the micro step is velocity Verlet with constraints on poses and
+/// velocities [Andersen 1983, RATTLE], in ODE's terms: with λ̄ the mean of the wrenches at both
+/// ends,
+///   M (u − v) / h = ½ f(x, v, t) + ½ λ̄ + Jᵀ μ,         J(x) u = −(erp / h) φ(x),   x⁺ = x ⊕ h u,
+///   M (v⁺ − u) / h = ½ f(x⁺, 2 u − v, t + h) + ½ λ̄ + Jᵀ μ⁺,   J(x⁺) v⁺ = 0,
+/// two dWorldSteps with half the forces. A free body under λ alone moves by the trapezoidal rule.
+/// The gyroscopic torque −w × I w is part of f. Second order in poses and velocities; limits,
+/// motors that saturate and dampers on fast motion are as robust as explicit forces are.
+///
 /// The result is a pure function of state and request: bit-identical after any rollback.
 ///
 /// Cost: one dWorldStep per micro step, cubic in the number of bodies of one mechanism; with
@@ -58,7 +67,15 @@ class RigidWorld final : public MbsSide {
                                        const Segment<WrenchSet>& input);
   std::optional<std::string> integrate_micro_step(State& state, SimTime h,
                                                   const WrenchSet& wrenches);
-  void command_motors(const State& state, double h_s);
+  /// The poses, velocities and works at the end of a micro step; throws OdeFault.
+  void euler_step(State& state, double h_s, const WrenchSet& wrenches);
+  void verlet_step(State& state, double h_s, const WrenchSet& wrenches);
+  /// One dWorldStep of a Verlet step from `bodies` with the forces of `state` at t_s.
+  void half_kick(State& state, double t_s, double h_s, const WrenchSet& wrenches,
+                 const std::vector<BodyState>& bodies, double erp);
+  void add_gyroscopic_torques(const State& state, std::vector<BodyWrench>& applied) const;
+  /// Rates that the motors aim at over the step, or at its end.
+  void command_motors(const State& state, double h_s, bool at_end = false);
   void add_port_wrenches(const State& state, const WrenchSet& wrenches,
                          std::vector<BodyWrench>& applied) const;
   void track_coordinates(State& state) const;

@@ -8,7 +8,10 @@ namespace tandem::orchestrator {
 RunReport run_here(const Model& model, const RunDirectory& directory, Mode mode,
                    Recorder& recorder) {
   const auto mbs = make_mbs(model, directory.path());
-  const auto fem = make_fem(model, directory.path());
+  // The monolithic step couples the sides themselves, whatever stands between them in the scheme.
+  Model plain = model;
+  if (mode == Mode::Monolithic) plain.coupling.scheme = SchemeKind::InterfaceNewton;
+  const auto fem = make_fem(plain, directory.path());
   CoupledRunParams params = scheme_run(model.run, model.coupling);
   if (mode == Mode::Monolithic) {
     params.scheme_name = "monolithic";

@@ -4,6 +4,7 @@
 #include "fem_process/mesh.h"
 #include "mbs_process/make_side.h"
 #include "orchestrator/scenario_table.h"
+#include "protocol/schemes/transmission_line.h"
 
 namespace tandem::orchestrator {
 
@@ -43,7 +44,7 @@ std::unique_ptr<MbsSide> make_mbs(const Model& model, const std::filesystem::pat
 }
 
 std::unique_ptr<FemSide> make_fem(const Model& model, const std::filesystem::path& directory) {
-  return fem::make_model(model.scenario.root, directory);
+  return prepared_for(model.coupling, fem::make_model(model.scenario.root, directory));
 }
 
 }  // namespace tandem::orchestrator

@@ -32,13 +32,14 @@ Eigen::MatrixXd coupled_matrix(const InterfaceJacobian& mbs, const InterfaceJaco
 
 MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                      FemSide& fem) {
-  WrenchSet lambda = predict(Prediction::Linear, state);
+  WrenchSet lambda = predict_wrenches(Prediction::Linear, state, H);
   Eigen::PartialPivLU<Eigen::MatrixXd> coupled;
   double scale_N = 0.0;
   double smallest_N = std::numeric_limits<double>::infinity();
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
-    const Evaluation evaluation = evaluate(H, state, lambda, k == 1, mbs, fem, ports_);
+    const Evaluation evaluation =
+        evaluate(H, state, lambda, {.mbs = k == 1, .fem = k == 1}, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
     // Newton's residual falls by orders of magnitude until round-off; then it only wavers.

@@ -11,8 +11,8 @@ namespace {
 
 constexpr const char* kStepsHeader =
     "macro_step,t_s,H_s,iterations,outcome,residual_N,energy_defect_J,mbs_compute_s,fem_compute_s,"
-    "encode_s,decode_s,publish_s,transit_s,wait_s,scheme_s,record_s,other_s,discarded_s,messages,"
-    "bytes,resent,duplicates,lost\n";
+    "encode_s,decode_s,publish_s,transit_s,wait_s,scheme_s,record_s,other_s,overlap_s,discarded_s,"
+    "messages,bytes,resent,duplicates,lost\n";
 
 const char* text_of(Outcome outcome) {
   switch (outcome) {
@@ -28,12 +28,12 @@ const char* text_of(Outcome outcome) {
 
 std::string step_row(const wire::StepRecord& step) {
   const Ledger& l = step.ledger;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
                      step.macro_step, to_seconds(step.time), to_seconds(step.step), step.iterations,
                      text_of(step.outcome), step.residual_N, step.energy_defect_J, l.mbs_compute_s,
                      l.fem_compute_s, l.encode_s, l.decode_s, l.publish_s, l.transit_s, l.wait_s,
-                     l.scheme_s, l.record_s, l.other_s, l.discarded_s, l.messages, l.bytes,
-                     l.resent, l.duplicates, l.lost);
+                     l.scheme_s, l.record_s, l.other_s, l.overlap_s, l.discarded_s, l.messages,
+                     l.bytes, l.resent, l.duplicates, l.lost);
 }
 
 }  // namespace

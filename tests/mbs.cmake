@@ -8,6 +8,6 @@ tandem_test(test_mbs_contract
   LIBS mbs
   LABELS contract)
 tandem_test(test_mbs_convergence
-  SOURCES convergence/mbs_order_test.cpp
+  SOURCES convergence/mbs_order_test.cpp convergence/mbs_verlet_test.cpp
   LIBS mbs
   LABELS convergence)

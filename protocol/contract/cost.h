@@ -23,6 +23,11 @@ struct CallCost {
   std::int64_t resent = 0;      ///< requests sent again after a time-out
   std::int64_t duplicates = 0;  ///< messages that arrived more than once and were not used again
 
+  /// All times together: how long the call takes when nothing else is done meanwhile.
+  [[nodiscard]] double total_s() const {
+    return compute_s + encode_s + decode_s + publish_s + transit_s;
+  }
+
   CallCost& operator+=(const CallCost& other) {
     compute_s += other.compute_s;
     encode_s += other.encode_s;

@@ -8,7 +8,7 @@ namespace tandem {
 
 /// Where the wall time and the bytes of stepping went: of one macro step or, summed, of a run.
 ///   wall = mbs_compute + fem_compute + encode + decode + publish + transit + wait + scheme
-///          + record + other
+///          + record + other − overlap
 /// `discarded_s` is the part of the two compute times that was rolled back: contained in them, not
 /// a further term of the sum. Durations only, each from one process's monotonic clock.
 struct Ledger {
@@ -18,10 +18,11 @@ struct Ledger {
   double decode_s = 0.0;     ///< checksum and bytes to values, both processes
   double publish_s = 0.0;    ///< sealing and sending, both processes
   double transit_s = 0.0;    ///< round trips minus everything both processes book themselves
-  double wait_s = 0.0;       ///< blocked: credit of the recorder, the slower of two parallel sides
+  double wait_s = 0.0;       ///< blocked: credit of the recorder
   double scheme_s = 0.0;     ///< accelerator, linear algebra, norms
   double record_s = 0.0;     ///< journal and log
   double other_s = 0.0;      ///< wall time minus all of the above
+  double overlap_s = 0.0;    ///< named time of one side that passed while the other computed
   double discarded_s = 0.0;  ///< compute time of calls that were rolled back
   std::int64_t messages = 0;
   std::int64_t bytes = 0;
@@ -46,10 +47,10 @@ struct Ledger {
     lost = damaged + (resent > duplicates ? resent - duplicates : 0);
   }
 
-  /// Sum of all columns but `other_s`: the time that has a name.
+  /// The wall time that has a name: all terms of the sum but `other_s`.
   [[nodiscard]] double named_s() const {
     return mbs_compute_s + fem_compute_s + encode_s + decode_s + publish_s + transit_s + wait_s +
-           scheme_s + record_s;
+           scheme_s + record_s - overlap_s;
   }
 
   Ledger& operator+=(const Ledger& b) {
@@ -63,6 +64,7 @@ struct Ledger {
     scheme_s += b.scheme_s;
     record_s += b.record_s;
     other_s += b.other_s;
+    overlap_s += b.overlap_s;
     discarded_s += b.discarded_s;
     messages += b.messages;
     bytes += b.bytes;

@@ -48,12 +48,50 @@ Eigen::VectorXd difference(const MotionSet& a, const MotionSet& b) {
   return result;
 }
 
+MotionSet displaced(const MotionSet& a, const Eigen::VectorXd& xi) {
+  require(xi.size() == 12 * static_cast<Eigen::Index>(a.size()),
+          "a displacement of motions must have 12 rows per port");
+  MotionSet b = a;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto row = 12 * static_cast<Eigen::Index>(i);
+    const Eigen::Vector3d theta = xi.segment<3>(row + 3);
+    const double angle = theta.norm();
+    // sin(θ/2)/θ of a tiny angle by its series, which does not divide by zero.
+    const double scale = angle < 1e-4 ? 0.5 - angle * angle / 48.0 : std::sin(0.5 * angle) / angle;
+    Eigen::Quaterniond dq;
+    dq.w() = std::cos(0.5 * angle);
+    dq.vec() = scale * theta;
+    b[i].p_WP += xi.segment<3>(row);
+    b[i].q_WP = (dq * a[i].q_WP).normalized();
+    b[i].v_WP += xi.segment<3>(row + 6);
+    b[i].w_WP += xi.segment<3>(row + 9);
+  }
+  return b;
+}
+
 double wrench_norm_N(const WrenchSet& wrenches, const std::vector<PortInfo>& ports) {
   require(wrenches.size() == ports.size(), "one wrench per port is needed");
   double sum = 0.0;
   for (std::size_t i = 0; i < ports.size(); ++i) {
     sum += wrenches[i].f_P_W.squaredNorm() +
            wrenches[i].t_P_W.squaredNorm() / (ports[i].length_m * ports[i].length_m);
+  }
+  return std::sqrt(sum);
+}
+
+double motion_norm_m_per_s(const Eigen::VectorXd& xi, const std::vector<PortInfo>& ports,
+                           double H_s) {
+  require(xi.size() == 12 * static_cast<Eigen::Index>(ports.size()),
+          "one motion per port is needed");
+  double sum = 0.0;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const auto row = 12 * static_cast<Eigen::Index>(i);
+    const double length = ports[i].length_m;
+    sum += (xi.segment<3>(row).squaredNorm() +
+            length * length * xi.segment<3>(row + 3).squaredNorm()) /
+               (H_s * H_s) +
+           xi.segment<3>(row + 6).squaredNorm() +
+           length * length * xi.segment<3>(row + 9).squaredNorm();
   }
   return std::sqrt(sum);
 }

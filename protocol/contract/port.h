@@ -41,8 +41,16 @@ struct PortInfo {
 ///   [p_b − p_a | θ with R_b = exp(θ×) R_a | v_b − v_a | w_b − w_a],   all in W.
 [[nodiscard]] Eigen::VectorXd difference(const MotionSet& a, const MotionSet& b);
 
+/// The motions b with difference(a, b) = `xi` (12 per port): b = a ⊕ ξ.
+[[nodiscard]] MotionSet displaced(const MotionSet& a, const Eigen::VectorXd& xi);
+
 /// ‖λ‖ = sqrt(Σ_ports |f|² + |t|²/L²): forces in N, torques scaled by the port's length L (m).
 [[nodiscard]] double wrench_norm_N(const WrenchSet& wrenches, const std::vector<PortInfo>& ports);
+
+/// ‖ξ‖ of a difference of motions over the time H (s), in m/s: work-conjugate to wrench_norm_N,
+///   sqrt(Σ_ports |δp/H|² + |L θ/H|² + |δv|² + |L δw|²).
+[[nodiscard]] double motion_norm_m_per_s(const Eigen::VectorXd& xi,
+                                         const std::vector<PortInfo>& ports, double H_s);
 
 /// Interface power Σ_ports f·v + t·w (W): what the flexible side delivers to the rigid side.
 [[nodiscard]] double interface_power_W(const WrenchSet& wrenches, const MotionSet& motions);

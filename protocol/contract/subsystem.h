@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "protocol/contract/cost.h"
@@ -93,6 +94,14 @@ class Subsystem {
   /// Advances the state by request.step. When Failed the state does not move.
   virtual StepResult<Out> advance(const StepRequest<In>& request) = 0;
 
+  /// advance() in two halves, so that two sides can compute at the same time: a side in another
+  /// process starts at begin_advance(), a side of this process computes in finish_advance(). No
+  /// other call to this side may come between them.
+  virtual void begin_advance(const StepRequest<In>& request) { begun_ = request; }
+  virtual StepResult<Out> finish_advance() {
+    return advance(std::exchange(begun_, std::nullopt).value());
+  }
+
   /// Saves the complete and exact state; everything before it is accepted.
   virtual void checkpoint() = 0;
 
@@ -107,6 +116,9 @@ class Subsystem {
 
   /// Energies and state hash of the present state; changes nothing.
   virtual Observation observe() = 0;
+
+ private:
+  std::optional<StepRequest<In>> begun_;
 };
 
 using MbsSide = Subsystem<WrenchSet, MotionSet>;

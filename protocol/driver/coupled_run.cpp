@@ -9,6 +9,7 @@
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
 #include "protocol/schemes/divergence_monitor.h"
+#include "protocol/schemes/step_controller.h"
 #include "protocol/wire/journaled_side.h"
 
 namespace tandem {
@@ -28,6 +29,7 @@ Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s)
   ledger.add_transfer(fem.cost);
   ledger.mbs_compute_s = mbs.cost.compute_s;
   ledger.fem_compute_s = fem.cost.compute_s;
+  ledger.overlap_s = mbs.overlap_s + fem.overlap_s;
   ledger.discarded_s = mbs.discarded_s + fem.discarded_s;
   // What the scheme's own code took: its wall time outside of the calls to the sides.
   ledger.scheme_s = advance_s - mbs.duration_s - fem.duration_s;
@@ -49,17 +51,24 @@ class CoupledRun {
         mbs_(metered_mbs_, journal_),
         fem_(metered_fem_, journal_),
         scheme_(params.make_scheme(ports_)),
-        monitor_(params.coupling.divergence_growth, ports_) {
+        monitor_(params.coupling.divergence_growth, ports_),
+        controller_(params.coupling.adaptive, params.coupling.prediction, params.run.macro_step) {
     require_same_ports(mbs.side.info().ports);
     report_.scheme = params.scheme_name;
+    if (params.scheme_name == to_string(SchemeKind::Tlm)) {
+      const double H_s = to_seconds(params.run.macro_step);
+      report_.parasitic_mass_kg = params.coupling.tlm.stiffness_N_per_m * H_s * H_s;
+    }
     for (const PortInfo& port : ports_) report_.port_names.push_back(port.name);
   }
 
   RunReport run() {
     initialize();
-    const std::int64_t steps = params_.run.macro_steps();
     const double start_s = now_s();
-    for (std::int64_t n = 1; n <= steps && report_.status == RunStatus::Done; ++n) make_step(n);
+    for (std::int64_t n = 1;
+         state_.time < params_.run.duration && report_.status == RunStatus::Done; ++n) {
+      make_step(n);
+    }
     report_.wall_s = now_s() - start_s;
     report_.ledger.other_s = report_.wall_s - report_.ledger.named_s();
     finish();
@@ -82,14 +91,14 @@ class CoupledRun {
   }
 
   void make_step(std::int64_t n) {
-    const SimTime H = params_.run.macro_step;
     const double start_s = now_s();
     mbs_meter_ = {};
     fem_meter_ = {};
     take_commands(n);
     mbs_.checkpoint();
     fem_.checkpoint();
-    const MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
+    SimTime H{};
+    const MacroStepEnd end = advance(H);
     const SimTime t_end = state_.time + H;
     const double defect_J = book_defect(H, end);
     judge(n, H, t_end, end);
@@ -112,6 +121,28 @@ class CoupledRun {
     if (params_.commands == nullptr) return;
     for (const Command& command : params_.commands->take()) {
       params_.commands->answer(command, n, fem_.command(command.text));
+    }
+  }
+
+  /// One macro step, of the length that is given back: with adaptive steps repeated from the
+  /// checkpoint, shorter and shorter, until the controller accepts it. The iterations are those of
+  /// all attempts.
+  MacroStepEnd advance(SimTime& H) {
+    if (!params_.coupling.adaptive.active()) {
+      H = params_.run.macro_step;
+      return scheme_->advance(H, state_, mbs_, fem_);
+    }
+    std::int32_t discarded_iterations = 0;
+    for (;;) {
+      H = controller_.step(params_.run.duration - state_.time);
+      MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
+      end.iterations += discarded_iterations;
+      const WrenchSet predicted = predict_wrenches(params_.coupling.prediction, state_, H);
+      if (controller_.accepts(H, end, predicted)) return end;
+      discarded_iterations = end.iterations;
+      ++report_.rejected_steps;
+      mbs_.rollback();
+      fem_.rollback();
     }
   }
 
@@ -179,9 +210,11 @@ class CoupledRun {
   void accept(std::int64_t n, SimTime t_end, const MacroStepEnd& end) {
     report_.macro_steps = n;
     report_.simulated = t_end;
+    state_.history.insert(state_.history.begin(), {state_.time, state_.motions, state_.wrenches});
+    if (state_.history.size() > InterfaceState::kHistory) state_.history.pop_back();
     state_.time = t_end;
-    state_.previous_wrenches = std::exchange(state_.wrenches, end.wrenches);
     state_.motions = end.motions;
+    state_.wrenches = end.wrenches;
   }
 
   void observe(EnergyBook& energy) {
@@ -215,6 +248,7 @@ class CoupledRun {
   wire::JournaledFem fem_;
   std::unique_ptr<Scheme> scheme_;
   DivergenceMonitor monitor_;
+  StepController controller_;
   InterfaceState state_;
   RunReport report_;
   double last_record_s_ = 0.0, last_wait_s_ = 0.0;

@@ -47,6 +47,7 @@ ordered_json ledger_json(const Ledger& l) {
           {"scheme", l.scheme_s},
           {"record", l.record_s},
           {"other", l.other_s},
+          {"overlap", l.overlap_s},
           {"discarded", l.discarded_s}};
 }
 
@@ -94,6 +95,8 @@ ordered_json to_json(const RunReport& r) {
                                                    : 0.0},
                         {"max", r.iterations_max}};
   json["not_converged_steps"] = r.not_converged_steps;
+  json["rejected_steps"] = r.rejected_steps;
+  if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
   json["ledger_s"] = ledger_json(r.ledger);
   json["wire"] = {{"messages", r.ledger.messages},
                   {"bytes", r.ledger.bytes},

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct RunReport {
   std::int64_t iterations_total = 0;
   std::int64_t iterations_max = 0;
   std::int64_t not_converged_steps = 0;
+  std::int64_t rejected_steps = 0;          ///< macro steps made again with a shorter one
+  std::optional<double> parasitic_mass_kg;  ///< of the line at each port, with tlm
   Ledger ledger;
   std::vector<double>
       exchange_us;  ///< per macro step: transfer time / exchanges (sorted at the end)

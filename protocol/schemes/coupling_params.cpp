@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
+
+#include "protocol/contract/error.h"
 
 namespace tandem {
 namespace {
@@ -12,13 +15,24 @@ namespace {
 template <class Value, std::size_t N>
 using Names = std::array<std::pair<const char*, Value>, N>;
 
-constexpr Names<SchemeKind, 3> kSchemes{{{"explicit_serial", SchemeKind::ExplicitSerial},
+constexpr Names<SchemeKind, 5> kSchemes{{{"explicit_serial", SchemeKind::ExplicitSerial},
+                                         {"explicit_parallel", SchemeKind::ExplicitParallel},
                                          {"implicit", SchemeKind::Implicit},
-                                         {"interface_jacobian", SchemeKind::InterfaceNewton}}};
-constexpr Names<Prediction, 2> kPredictions{
-    {{"hold", Prediction::Hold}, {"linear", Prediction::Linear}}};
-constexpr Names<Relaxation, 2> kRelaxations{
-    {{"constant", Relaxation::Constant}, {"aitken", Relaxation::Aitken}}};
+                                         {"interface_jacobian", SchemeKind::InterfaceNewton},
+                                         {"tlm", SchemeKind::Tlm}}};
+constexpr Names<Refresh, 3> kRefreshes{{{"every_step", Refresh::EveryStep},
+                                        {"every_n_steps", Refresh::EveryNSteps},
+                                        {"broyden", Refresh::Broyden}}};
+constexpr Names<Prediction, 3> kPredictions{{{"hold", Prediction::Hold},
+                                             {"linear", Prediction::Linear},
+                                             {"quadratic", Prediction::Quadratic}}};
+constexpr Names<Relaxation, 5> kRelaxations{{{"constant", Relaxation::Constant},
+                                             {"aitken", Relaxation::Aitken},
+                                             {"anderson", Relaxation::Anderson},
+                                             {"iqn_ils", Relaxation::IqnIls},
+                                             {"iqn_imvj", Relaxation::IqnImvj}}};
+constexpr Names<Iteration, 2> kIterations{
+    {{"serial", Iteration::Serial}, {"parallel", Iteration::Parallel}}};
 constexpr Names<OnNotConverged, 2> kOnNotConverged{
     {{"stop", OnNotConverged::Stop}, {"accept", OnNotConverged::Accept}}};
 
@@ -51,6 +65,138 @@ std::string number(double x) { return fmt::format("{}", x); }
 
 std::string to_string(SchemeKind kind) { return name_of(kSchemes, kind); }
 
+namespace {
+
+std::optional<SimTime> step_of(const scenario::Node& node, const char* key) {
+  if (!node.has(key)) return std::nullopt;
+  try {
+    return std::max(sim_time_from_seconds(node.real(key)), SimTime(1));
+  } catch (const Error& error) {
+    node.fail(key, error.what());
+  }
+}
+
+AdaptiveParams read_adaptive(const scenario::Node& node) {
+  AdaptiveParams params{.tolerance = node.real("tolerance"),
+                        .min_step = step_of(node, "min_step_s"),
+                        .max_step = step_of(node, "max_step_s")};
+  if (params.min_step && params.max_step && *params.max_step < *params.min_step) {
+    node.fail("max_step_s", "is shorter than min_step_s. Raise it.");
+  }
+  return params;
+}
+
+scenario::Key quasi_newton_key() {
+  const QuasiNewtonParams d;
+  scenario::Section content{
+      "Quasi-Newton",
+      "Secant columns of the accelerators anderson, iqn_ils and iqn_imvj.",
+      {scenario::integer("reused_steps")
+           .doc_is("Accepted macro steps whose columns iqn_ils keeps.")
+           .between(0, 1000)
+           .by_default(std::to_string(d.reused_steps)),
+       scenario::real("filter", "")
+           .doc_is("A column is left out when its part that is new to the newer columns is less "
+                   "than this part of it.")
+           .between(0.0, 1.0)
+           .by_default(number(d.filter))}};
+  return scenario::section("quasi_newton", std::move(content)).by_default("{}");
+}
+
+QuasiNewtonParams read_quasi_newton(const scenario::Node& node) {
+  return {.reused_steps = static_cast<std::int32_t>(node.integer("reused_steps")),
+          .filter = node.real("filter")};
+}
+
+scenario::Key jacobian_key() {
+  const JacobianParams d;
+  scenario::Section content{
+      "Interface Jacobians",
+      "When `interface_jacobian` takes the sides' Jacobians anew. Kept ones save their cost (six "
+      "steps of ODE per port) and may need more iterations.",
+      {scenario::choice("mbs_refresh", choices_of(kRefreshes))
+           .doc_is("Of the multibody side: at the first evaluation of every macro step, of every "
+                   "n-th one, or once and then by Broyden's updates.")
+           .by_default(name_of(kRefreshes, d.mbs_refresh)),
+       scenario::choice("fem_refresh", choices_of(kRefreshes))
+           .doc_is("Of the flexible side, likewise; every_step uses each factorisation.")
+           .by_default(name_of(kRefreshes, d.fem_refresh)),
+       scenario::integer("every_steps")
+           .doc_is("Macro steps between two Jacobians with every_n_steps.")
+           .between(1, 1000000)
+           .by_default(std::to_string(d.every_steps))}};
+  return scenario::section("jacobian", std::move(content)).by_default("{}");
+}
+
+JacobianParams read_jacobian(const scenario::Node& node) {
+  return {.mbs_refresh = value_of(kRefreshes, node.text("mbs_refresh")),
+          .fem_refresh = value_of(kRefreshes, node.text("fem_refresh")),
+          .every_steps = static_cast<std::int32_t>(node.integer("every_steps"))};
+}
+
+scenario::Key retained_inertia_key() {
+  const RetainedInertiaParams d;
+  scenario::Section content{
+      "Retained inertia",
+      "Explicit schemes: the rigid side carries the flexible side's effective port inertia, and "
+      "the "
+      "inertia force that the predicted wrench has booked is subtracted. Widens their limit.",
+      {scenario::real("factor", "")
+           .doc_is(
+               "Part of the flexible side's effective inertia that is carried, 0 = off, 1 = all.")
+           .between(0.0, 10.0)
+           .by_default(number(d.factor)),
+       scenario::integer("refresh_steps")
+           .doc_is("Macro steps after which the inertia is taken anew, 0 = once.")
+           .between(0, 1000000)
+           .by_default(std::to_string(d.refresh_steps))}};
+  return scenario::section("retained_inertia", std::move(content)).by_default("{}");
+}
+
+RetainedInertiaParams read_retained_inertia(const scenario::Node& node) {
+  return {.factor = node.real("factor"),
+          .refresh_steps = static_cast<std::int32_t>(node.integer("refresh_steps"))};
+}
+
+scenario::Key tlm_key() {
+  const TlmParams d;
+  scenario::Section content{
+      "Transmission line",
+      "Scheme `tlm`: an elastic line between the sides at each port, whose delay is the macro "
+      "step.",
+      {scenario::real("stiffness_N_per_m", "N/m")
+           .doc_is("Stiffness k of the line; it adds the mass k H² and the compliance 1/k. "
+                   "Rotations see k times the port length squared.")
+           .above(0.0)
+           .by_default(number(d.stiffness_N_per_m))}};
+  return scenario::section("tlm", std::move(content)).by_default("{}");
+}
+
+scenario::Key adaptive_key() {
+  const AdaptiveParams d;
+  scenario::Section content{
+      "Adaptive macro step",
+      "The macro step follows the energy defect of the prediction; run.macro_step_s is the first "
+      "one.",
+      {scenario::real("tolerance", "")
+           .doc_is("Power that the predicted wrenches would create, relative to the largest power "
+                   "at the ports so far, above which a macro step is made again; 0 = fixed steps.")
+           .between(0.0, 1.0)
+           .by_default(number(d.tolerance)),
+       scenario::real("min_step_s", "s")
+           .above(0.0)
+           .doc_is(
+               "Shortest macro step, and the unit of all of them: a whole multiple of the sides' "
+               "micro steps. Left out: run.macro_step_s / 32."),
+       scenario::real("max_step_s", "s")
+           .above(0.0)
+           .doc_is("Longest macro step. Left out: 32 run.macro_step_s.")}};
+  content.check = [](const scenario::Node& node) { (void)read_adaptive(node); };
+  return scenario::section("adaptive", std::move(content)).by_default("{}");
+}
+
+}  // namespace
+
 scenario::Key coupling_keys() {
   using scenario::choice;
   using scenario::integer;
@@ -66,6 +212,10 @@ scenario::Key coupling_keys() {
            .doc_is("Extrapolation of the wrenches from accepted macro steps: the input of explicit "
                    "schemes, the first guess of iterative ones.")
            .by_default(name_of(kPredictions, d.prediction)),
+       choice("motion_prediction", choices_of(kPredictions))
+           .doc_is("Extrapolation of the port velocities in schemes where both sides compute at "
+                   "the same time; the poses follow from them.")
+           .by_default(name_of(kPredictions, d.motion_prediction)),
        integer("max_iterations")
            .doc_is("Evaluations of both sides per macro step before it counts as not converged.")
            .between(1, 100000)
@@ -80,13 +230,25 @@ scenario::Key coupling_keys() {
            .between(0.0, 1.0)
            .by_default(number(d.relative_tolerance)),
        choice("relaxation", choices_of(kRelaxations))
-           .doc_is("Accelerator of `implicit`: a constant factor or Aitken's adapted one.")
+           .doc_is("Accelerator of `implicit`: a constant factor, Aitken's adapted one, or a "
+                   "quasi-Newton method on the columns of this macro step (anderson), of the last "
+                   "ones too (iqn_ils), or on an accumulated Jacobian (iqn_imvj).")
            .by_default(name_of(kRelaxations, d.relaxation)),
        real("relaxation_factor", "")
-           .doc_is("Constant relaxation factor, or Aitken's first one.")
+           .doc_is("Constant relaxation factor, or the first one of the other accelerators.")
            .above(0.0)
            .between(0.0, 2.0)
            .by_default(number(d.relaxation_factor)),
+       choice("iteration", choices_of(kIterations))
+           .doc_is("How `implicit` evaluates the sides: one after the other, or both at the same "
+                   "time from the same iterate.")
+           .by_default(name_of(kIterations, d.iteration)),
+       real("tolerance_m_per_s", "m/s")
+           .doc_is("Absolute part of the velocity residual of parallel iterations that counts as "
+                   "converged; angular velocities are multiplied by the port length.")
+           .at_least(0.0)
+           .by_default(number(d.tolerance_m_per_s)),
+       quasi_newton_key(), jacobian_key(), retained_inertia_key(), tlm_key(), adaptive_key(),
        choice("on_not_converged", choices_of(kOnNotConverged))
            .doc_is(
                "What a macro step that reaches max_iterations does: stop the run, or accept the "
@@ -105,11 +267,19 @@ CouplingParams read_coupling(const scenario::Node& root) {
   return CouplingParams{
       .scheme = value_of(kSchemes, node.text("scheme")),
       .prediction = value_of(kPredictions, node.text("prediction")),
+      .motion_prediction = value_of(kPredictions, node.text("motion_prediction")),
       .max_iterations = static_cast<std::int32_t>(node.integer("max_iterations")),
       .tolerance_N = node.real("tolerance_N"),
       .relative_tolerance = node.real("relative_tolerance"),
+      .tolerance_m_per_s = node.real("tolerance_m_per_s"),
+      .iteration = value_of(kIterations, node.text("iteration")),
       .relaxation = value_of(kRelaxations, node.text("relaxation")),
       .relaxation_factor = node.real("relaxation_factor"),
+      .quasi_newton = read_quasi_newton(node.section("quasi_newton")),
+      .jacobian = read_jacobian(node.section("jacobian")),
+      .retained_inertia = read_retained_inertia(node.section("retained_inertia")),
+      .tlm = {.stiffness_N_per_m = node.section("tlm").real("stiffness_N_per_m")},
+      .adaptive = read_adaptive(node.section("adaptive")),
       .on_not_converged = value_of(kOnNotConverged, node.text("on_not_converged")),
       .divergence_growth = node.real("divergence_growth"),
   };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tandem {
 
@@ -26,23 +27,34 @@ std::optional<std::string> DivergenceMonitor::check(SimTime H, const MacroStepEn
       return fmt::format("port '{}' carries a value that is not finite", ports_[i].name);
     }
   }
-  if (end.residual_N <= std::max(kNegligible_N, 0.5 * wrench_norm_N(end.wrenches, ports_))) {
+  const double residual_N =
+      std::max(end.residual_N, std::exchange(last_residual_N_, end.residual_N));
+  if (residual_N <= std::max(kNegligible_N, 0.5 * wrench_norm_N(end.wrenches, ports_))) {
     streak_ = 0;
     return std::nullopt;
   }
   const std::vector<double> defects = energy_defects_J(H, end);
   double sum_J = 0.0;
   for (double defect : defects) sum_J += std::abs(defect);
-  if (streak_++ == 0) streak_first_defect_J_ = sum_J;
+  // Of the first two: the first one alone may be small by chance.
+  if (streak_ == 0) streak_first_defect_J_ = 0.0;
+  if (streak_++ < 2) streak_first_defect_J_ = std::max(streak_first_defect_J_, sum_J);
   if (streak_ < kShortestStreak || sum_J <= growth_ * streak_first_defect_J_) return std::nullopt;
 
   const auto worst = std::max_element(defects.begin(), defects.end(),
                                       [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const auto port = static_cast<std::size_t>(worst - defects.begin());
+  const double ratio = wrench_norm_N({end.wrenches[port]}, {ports_[port]}) /
+                       wrench_norm_N({end.applied[port]}, {ports_[port]});
   return fmt::format(
-      "the interface energy defect grew from {:.3g} J to {:.3g} J per macro step within {} macro "
-      "steps, limit {:g} times; ‖r‖ = {:.3g} N, most of it at port '{}'",
-      streak_first_defect_J_, sum_J, streak_, growth_, end.residual_N,
-      ports_[static_cast<std::size_t>(worst - defects.begin())].name);
+      "the interface energy defect grew from {:.3g} J to {:.3g} J per macro step within {} "
+      "macro "
+      "steps, limit {:g} times; ‖r‖ = {:.3g} N, most of it at port '{}', where the flexible "
+      "side "
+      "answers {:.3g} times the wrench applied to the rigid side (above 1: its effective mass "
+      "there "
+      "exceeds the rigid one's)",
+      streak_first_defect_J_, sum_J, streak_, growth_, end.residual_N, ports_[port].name, ratio);
 }
 
 }  // namespace tandem

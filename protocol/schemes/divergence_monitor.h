@@ -20,11 +20,14 @@ namespace tandem {
 ///  * a port quantity is not finite, or
 ///  * the interface energy defect Σ|δE| of a macro step has grown by the factor `growth` since the
 ///    beginning of an unbroken streak of at least kShortestStreak macro steps with ‖r‖ > ‖λ‖/2
-///    and ‖r‖ > kNegligible_N: a model at rest exchanges round-off, which is no divergence, and a
-///    real one soon grows past that bound.
+///    and ‖r‖ > kNegligible_N, where ‖r‖ is the larger one of this and the last macro step: a model
+///    at rest exchanges round-off, which is no divergence, and a real one soon grows past that
+///    bound.
 /// An unstable explicit coupling overshoots every step, λ_{n+1} ≈ −κ λ_n with κ > 1, so its
-/// residual exceeds the wrench in every step and its defect grows like κ²; a stable run's residual
-/// is O(H).
+/// residual exceeds the wrench in every step and its defect grows like κ²; where both sides compute
+/// at once it is λ_{n+1} ≈ −κ λ_{n−1}, which overshoots in every other step at least. A stable
+/// run's residual is O(H). The text has the ratio ‖Λ‖/‖λ applied‖ of the worst port, which is κ
+/// there.
 class DivergenceMonitor {
  public:
   DivergenceMonitor(double growth, std::vector<PortInfo> ports);
@@ -38,6 +41,7 @@ class DivergenceMonitor {
 
   double growth_;
   std::vector<PortInfo> ports_;
+  double last_residual_N_ = 0.0;
   std::int64_t streak_ = 0;
   double streak_first_defect_J_ = 0.0;
 };

@@ -1,6 +1,7 @@
 #include "protocol/schemes/evaluation.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "protocol/contract/error.h"
 
@@ -22,32 +23,52 @@ bool take_outcome(const Result& result, Evaluation& evaluation) {
 template <class Result>
 InterfaceJacobian take_jacobian(const char* side, const Result& result) {
   require(result.jacobian.has_value(),
-          std::string("coupling.scheme: interface_jacobian needs the interface Jacobian of the ") +
+          std::string("coupling.scheme and its options need the interface Jacobian of the ") +
               side + " side, which has none. Use implicit or explicit_serial.");
   return *result.jacobian;
 }
 
 }  // namespace
 
-Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lambda, bool linearize,
-                    MbsSide& mbs, FemSide& fem, const std::vector<PortInfo>& ports) {
+Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>& fem,
+                  const WrenchSet& lambda, const std::vector<PortInfo>& ports) {
   Evaluation evaluation;
   evaluation.outcome = Outcome::Done;
-  auto m = mbs.advance({.step = H, .input = {state.wrenches, lambda}, .linearize = linearize});
-  if (!take_outcome(m, evaluation)) return evaluation;
-  auto l = fem.advance({.step = H, .input = {state.motions, m.output}, .linearize = linearize});
-  if (!take_outcome(l, evaluation)) return evaluation;
-
-  evaluation.residual = stack(l.output) - stack(lambda);
+  const bool mbs_done = take_outcome(mbs, evaluation);
+  const bool fem_done = take_outcome(fem, evaluation);
+  if (!mbs_done || !fem_done) return evaluation;
+  evaluation.motions = mbs.output;
+  evaluation.wrenches = fem.output;
+  evaluation.residual = stack(fem.output) - stack(lambda);
   evaluation.residual_N = wrench_norm_N(unstack_wrenches(evaluation.residual), ports);
-  evaluation.wrench_N = wrench_norm_N(l.output, ports);
-  if (linearize) {
-    evaluation.mbs_jacobian = take_jacobian("mbs", m);
-    evaluation.fem_jacobian = take_jacobian("fem", l);
-  }
-  evaluation.motions = std::move(m.output);
-  evaluation.wrenches = std::move(l.output);
+  evaluation.wrench_N = wrench_norm_N(fem.output, ports);
   return evaluation;
+}
+
+Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
+                    Linearize linearize, MbsSide& mbs, FemSide& fem,
+                    const std::vector<PortInfo>& ports) {
+  const auto m =
+      mbs.advance({.step = H, .input = {state.wrenches, lambda}, .linearize = linearize.mbs});
+  if (m.outcome == Outcome::Failed) return {.outcome = m.outcome, .message = m.message};
+  const auto l =
+      fem.advance({.step = H, .input = {state.motions, m.output}, .linearize = linearize.fem});
+  Evaluation evaluation = joined(m, l, lambda, ports);
+  if (evaluation.outcome == Outcome::Failed) return evaluation;
+  if (linearize.mbs) evaluation.mbs_jacobian = take_jacobian("mbs", m);
+  if (linearize.fem) evaluation.fem_jacobian = take_jacobian("fem", l);
+  return evaluation;
+}
+
+Evaluation evaluate_parallel(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
+                             const MotionSet& motions, MbsSide& mbs, FemSide& fem,
+                             const std::vector<PortInfo>& ports) {
+  fem.begin_advance({.step = H, .input = {state.motions, motions}});
+  mbs.begin_advance({.step = H, .input = {state.wrenches, lambda}});
+  // Both answers are taken before either is judged: a begun advance must be finished.
+  const auto m = mbs.finish_advance();
+  const auto l = fem.finish_advance();
+  return joined(m, l, lambda, ports);
 }
 
 void roll_back(MbsSide& mbs, FemSide& fem) {

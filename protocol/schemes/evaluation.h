@@ -20,11 +20,27 @@ struct Evaluation {
   InterfaceJacobian fem_jacobian;
 };
 
-/// m = M(λ), Λ = Λ(m). Stops after the first side that fails. With `linearize` both Jacobians are
-/// filled; a side that cannot linearise makes this a Usage error.
+/// Which sides return their interface Jacobians with an evaluation.
+struct Linearize {
+  bool mbs = false;
+  bool fem = false;
+};
+
+/// m = M(λ), Λ = Λ(m). Stops after the first side that fails. A side that is asked to linearise and
+/// cannot makes this a Usage error.
 [[nodiscard]] Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
-                                  bool linearize, MbsSide& mbs, FemSide& fem,
+                                  Linearize linearize, MbsSide& mbs, FemSide& fem,
                                   const std::vector<PortInfo>& ports);
+
+/// The answers of both sides as one evaluation; λ is what moved the multibody side.
+[[nodiscard]] Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>& fem,
+                                const WrenchSet& lambda, const std::vector<PortInfo>& ports);
+
+/// m = M(λ) and Λ = Λ(m̂), both sides at the same time. The residual is Λ(m̂) − λ.
+[[nodiscard]] Evaluation evaluate_parallel(SimTime H, const InterfaceState& state,
+                                           const WrenchSet& lambda, const MotionSet& motions,
+                                           MbsSide& mbs, FemSide& fem,
+                                           const std::vector<PortInfo>& ports);
 
 /// Restores both sides to t_n before a further iteration.
 void roll_back(MbsSide& mbs, FemSide& fem);

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/scheme.h"
@@ -9,63 +9,127 @@
 namespace tandem {
 namespace {
 
-/// a·b with torques scaled by the port length squared: the inner product of wrench_norm_N.
-double scaled_dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b,
-                  const std::vector<PortInfo>& ports) {
-  double sum = 0.0;
+/// Weights of stacked wrenches in wrench_norm_N: 1 for forces, 1/L for torques.
+Eigen::VectorXd wrench_weights(const std::vector<PortInfo>& ports) {
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(6 * static_cast<Eigen::Index>(ports.size()));
   for (std::size_t i = 0; i < ports.size(); ++i) {
-    const auto row = 6 * static_cast<Eigen::Index>(i);
-    sum += a.segment<3>(row).dot(b.segment<3>(row));
-    sum +=
-        a.segment<3>(row + 3).dot(b.segment<3>(row + 3)) / (ports[i].length_m * ports[i].length_m);
+    weights.segment<3>(6 * static_cast<Eigen::Index>(i) + 3).setConstant(1.0 / ports[i].length_m);
   }
-  return sum;
+  return weights;
 }
 
-/// Aitken's factor from two successive residuals. Kept within [1e-4, 2] in size: an accidental near
-/// equality of two residuals must not throw the iterate out of the region where the sides converge.
-double aitken_factor(double omega, const Eigen::VectorXd& r_old, const Eigen::VectorXd& r,
-                     const std::vector<PortInfo>& ports) {
-  const Eigen::VectorXd change = r - r_old;
-  const double denominator = scaled_dot(change, change, ports);
-  if (!(denominator > 0.0)) return omega;
-  const double next = -omega * scaled_dot(r_old, change, ports) / denominator;
-  return std::copysign(std::clamp(std::abs(next), 1e-4, 2.0), next);
+/// Weights of differences of motions in motion_norm_m_per_s.
+Eigen::VectorXd motion_weights(const std::vector<PortInfo>& ports, double H_s) {
+  Eigen::VectorXd weights(12 * static_cast<Eigen::Index>(ports.size()));
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const auto row = 12 * static_cast<Eigen::Index>(i);
+    const double length = ports[i].length_m;
+    weights.segment<3>(row).setConstant(1.0 / H_s);
+    weights.segment<3>(row + 3).setConstant(length / H_s);
+    weights.segment<3>(row + 6).setOnes();
+    weights.segment<3>(row + 9).setConstant(length);
+  }
+  return weights;
 }
 
-std::string not_converged_text(const CouplingParams& params, const Evaluation& evaluation) {
-  return fmt::format(
-      "implicit: ‖r‖ = {:.3g} N after {} iterations, limit {:.3g} N. Raise "
-      "coupling.max_iterations, lower coupling.relaxation_factor or run.macro_step_s, or use "
-      "coupling.scheme: interface_jacobian.",
-      evaluation.residual_N, params.max_iterations, residual_limit_N(params, evaluation));
+/// Norm of the velocities in a difference of motions alone: what convergence is judged by. Poses
+/// follow from them, but their rounding, divided by H, may exceed any tolerance.
+double twist_norm_m_per_s(Eigen::VectorXd xi, const std::vector<PortInfo>& ports) {
+  for (Eigen::Index row = 0; row < xi.size(); row += 12) xi.segment<6>(row).setZero();
+  return motion_norm_m_per_s(xi, ports, 1.0);
+}
+
+double twist_norm_m_per_s(const MotionSet& motions, const std::vector<PortInfo>& ports) {
+  return twist_norm_m_per_s(difference(MotionSet(motions.size()), motions), ports);
+}
+
+MacroStepEnd not_converged(MacroStepEnd end, const CouplingParams& params,
+                           const std::string& residual) {
+  end.outcome = Outcome::NotConverged;
+  end.message = fmt::format(
+      "implicit: {} after {} iterations. Raise coupling.max_iterations, use coupling.relaxation: "
+      "iqn_ils, lower coupling.relaxation_factor or run.macro_step_s, or use coupling.scheme: "
+      "interface_jacobian.",
+      residual, params.max_iterations);
+  return end;
+}
+
+bool cannot_go_on(const MacroStepEnd& end) {
+  return end.outcome == Outcome::Failed || !std::isfinite(end.residual_N);
 }
 
 }  // namespace
 
 Implicit::Implicit(const CouplingParams& params, std::vector<PortInfo> ports)
-    : params_(params), ports_(std::move(ports)) {}
+    : params_(params), ports_(std::move(ports)), accelerator_(make_accelerator(params)) {}
 
 MacroStepEnd Implicit::advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) {
-  WrenchSet lambda = predict(params_.prediction, state);
-  double omega = params_.relaxation_factor;
-  Eigen::VectorXd previous_residual;
+  const bool accepted = begun_ && state.time > *begun_;
+  begun_ = state.time;
+  if (params_.iteration == Iteration::Parallel) return in_parallel(H, state, accepted, mbs, fem);
+  return in_turn(H, state, accepted, mbs, fem);
+}
+
+MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool accepted, MbsSide& mbs,
+                               FemSide& fem) {
+  WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
+  accelerator_->begin_step(wrench_weights(ports_), accepted);
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
-    const Evaluation evaluation = evaluate(H, state, lambda, false, mbs, fem, ports_);
+    const Evaluation evaluation = evaluate(H, state, lambda, {}, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
-    if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
-    if (end.residual_N <= residual_limit_N(params_, evaluation)) return end;
+    if (cannot_go_on(end)) return end;
+    accelerator_->observe(stack(lambda), evaluation.residual);
+    const double limit_N = residual_limit_N(params_, evaluation);
+    if (end.residual_N <= limit_N) return end;
     if (k == params_.max_iterations) {
-      end.outcome = Outcome::NotConverged;
-      end.message = not_converged_text(params_, evaluation);
-      return end;
+      return not_converged(
+          std::move(end), params_,
+          fmt::format("‖r‖ = {:.3g} N, limit {:.3g} N", evaluation.residual_N, limit_N));
     }
-    if (params_.relaxation == Relaxation::Aitken && k > 1) {
-      omega = aitken_factor(omega, previous_residual, evaluation.residual, ports_);
+    lambda = unstack_wrenches(accelerator_->next());
+  }
+}
+
+MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool accepted,
+                                   MbsSide& mbs, FemSide& fem) {
+  WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
+  MotionSet motions = predict_motions(params_.motion_prediction, state, H);
+  const Eigen::Index n_l = 6 * static_cast<Eigen::Index>(ports_.size());
+  const Eigen::Index n_m = 2 * n_l;
+  Eigen::VectorXd x(n_m + n_l), r(n_m + n_l);
+  for (std::int32_t k = 1;; ++k) {
+    if (k > 1) roll_back(mbs, fem);
+    const Evaluation evaluation = evaluate_parallel(H, state, lambda, motions, mbs, fem, ports_);
+    MacroStepEnd end = end_of(evaluation, lambda, k);
+    if (cannot_go_on(end)) return end;
+    // Motions count from the beginning of the step, where they are an ordinary vector.
+    x << difference(state.motions, motions), stack(lambda);
+    r << difference(state.motions, evaluation.motions) - x.head(n_m), evaluation.residual;
+    if (k == 1) {
+      Eigen::VectorXd weights(n_m + n_l);
+      weights << motion_weights(ports_, to_seconds(H)), wrench_weights(ports_);
+      // Newtons for metres per second: both parts of the first residual count the same.
+      const double size_m = weights.head(n_m).cwiseProduct(r.head(n_m)).norm();
+      if (size_m > 0.0 && end.residual_N > 0.0) weights.head(n_m) *= end.residual_N / size_m;
+      accelerator_->begin_step(weights, accepted);
     }
-    previous_residual = evaluation.residual;
-    lambda = unstack_wrenches(stack(lambda) + omega * evaluation.residual);
+    accelerator_->observe(x, r);
+    const double limit_N = residual_limit_N(params_, evaluation);
+    const double residual_m_per_s = twist_norm_m_per_s(r.head(n_m), ports_);
+    const double limit_m_per_s =
+        params_.tolerance_m_per_s +
+        params_.relative_tolerance * twist_norm_m_per_s(evaluation.motions, ports_);
+    if (end.residual_N <= limit_N && residual_m_per_s <= limit_m_per_s) return end;
+    if (k == params_.max_iterations) {
+      return not_converged(std::move(end), params_,
+                           fmt::format("‖r‖ = {:.3g} N, limit {:.3g} N, and {:.3g} m/s, limit "
+                                       "{:.3g} m/s",
+                                       end.residual_N, limit_N, residual_m_per_s, limit_m_per_s));
+    }
+    x = accelerator_->next();
+    motions = displaced(state.motions, x.head(n_m));
+    lambda = unstack_wrenches(x.tail(n_l));
   }
 }
 

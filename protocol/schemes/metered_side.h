@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "protocol/contract/cost.h"
 #include "protocol/contract/subsystem.h"
 
@@ -10,6 +12,7 @@ struct SideMeter {
   CallCost cost;             ///< as the side reports it
   double duration_s = 0.0;   ///< time the caller spent inside the calls
   double discarded_s = 0.0;  ///< compute of advances that were rolled back
+  double overlap_s = 0.0;    ///< time of begun advances that passed outside of the calls
   double pending_s = 0.0;    ///< compute of the last advance, discarded if a rollback follows
 };
 
@@ -50,13 +53,31 @@ class MeteredSide final : public Subsystem<In, Out> {
     StepResult<Out> result = inner_.advance(request);
     const double duration_s = now_s() - start_s;
     if (locality_ == Locality::Here) result.cost.compute_s = duration_s;
-    meter_.cost += result.cost;
-    meter_.duration_s += duration_s;
-    meter_.pending_s = result.cost.compute_s;
+    book_advance(result.cost, duration_s);
+    return result;
+  }
+  void begin_advance(const StepRequest<In>& request) override {
+    const double start_s = now_s();
+    inner_.begin_advance(request);
+    begun_s_ = now_s() - start_s;
+  }
+  StepResult<Out> finish_advance() override {
+    const double start_s = now_s();
+    StepResult<Out> result = inner_.finish_advance();
+    const double duration_s = begun_s_ + (now_s() - start_s);
+    if (locality_ == Locality::Here) result.cost.compute_s = duration_s;
+    meter_.overlap_s += std::max(0.0, result.cost.total_s() - duration_s);
+    book_advance(result.cost, duration_s);
     return result;
   }
 
  private:
+  void book_advance(const CallCost& cost, double duration_s) {
+    meter_.cost += cost;
+    meter_.duration_s += duration_s;
+    meter_.pending_s = cost.compute_s;
+  }
+
   template <class Call>
   void book(Call call) {
     const double start_s = now_s();
@@ -69,6 +90,7 @@ class MeteredSide final : public Subsystem<In, Out> {
   Subsystem<In, Out>& inner_;
   Locality locality_;
   SideMeter& meter_;
+  double begun_s_ = 0.0;  ///< spent in begin_advance()
 };
 
 }  // namespace tandem

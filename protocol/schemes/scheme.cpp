@@ -2,19 +2,20 @@
 
 #include <stdexcept>
 
-namespace tandem {
+#include "protocol/schemes/transmission_line.h"
 
-WrenchSet predict(Prediction prediction, const InterfaceState& state) {
-  if (prediction == Prediction::Hold || state.previous_wrenches.empty()) return state.wrenches;
-  return unstack_wrenches(2.0 * stack(state.wrenches) - stack(state.previous_wrenches));
-}
+namespace tandem {
 
 std::unique_ptr<Scheme> make_scheme(const CouplingParams& params, std::vector<PortInfo> ports) {
   switch (params.scheme) {
     case SchemeKind::ExplicitSerial:
       return std::make_unique<ExplicitSerial>(params, std::move(ports));
+    case SchemeKind::ExplicitParallel:
+      return std::make_unique<ExplicitParallel>(params, std::move(ports));
     case SchemeKind::Implicit:
       return std::make_unique<Implicit>(params, std::move(ports));
+    case SchemeKind::Tlm:
+      return std::make_unique<TransmissionLine>(params, std::move(ports));
     case SchemeKind::InterfaceNewton:
       return std::make_unique<InterfaceJacobianScheme>(params, std::move(ports));
   }

@@ -2,36 +2,19 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "protocol/contract/subsystem.h"
+#include "protocol/schemes/accelerator.h"
 #include "protocol/schemes/coupling_params.h"
+#include "protocol/schemes/jacobian_block.h"
+#include "protocol/schemes/macro_step.h"
+#include "protocol/schemes/prediction.h"
+#include "protocol/schemes/retained_inertia.h"
 
 namespace tandem {
-
-/// What is known at the beginning of a macro step: the accepted interface at t_n.
-struct InterfaceState {
-  SimTime time{};
-  MotionSet motions;            ///< m_n
-  WrenchSet wrenches;           ///< λ_n
-  WrenchSet previous_wrenches;  ///< λ_{n−1}; empty in the first macro step
-};
-
-/// λ at t_n + H extrapolated from accepted wrenches: hold λ_n, or linear 2 λ_n − λ_{n−1} (λ_n in
-/// the first macro step).
-[[nodiscard]] WrenchSet predict(Prediction prediction, const InterfaceState& state);
-
-/// How one macro step ended.
-struct MacroStepEnd {
-  Outcome outcome = Outcome::Failed;
-  std::string message = "the macro step was not made";
-  MotionSet motions;   ///< at t_n + H
-  WrenchSet wrenches;  ///< at t_n + H, as the flexible side answered
-  WrenchSet applied;   ///< the λ that moved the multibody side
-  std::int32_t iterations = 0;
-  double residual_N = 0.0;  ///< ‖Λ(M(λ)) − λ‖ of the last iteration
-};
 
 /// The rule by which a macro step is made. Written once against the two sides' contract: whether a
 /// side is a local object, a process behind LCM, a log or a mock does not show here.
@@ -44,8 +27,8 @@ class Scheme {
 };
 
 /// m ← M(λ predicted), λ ← Λ(m): one evaluation, no iteration.
-/// Error of the applied wrench is O(H) (hold) or O(H²) (linear). Unstable once the effective mass
-/// of the flexible side at a port exceeds that of the rigid side.
+/// Error of the applied wrench is O(H) (hold), O(H²) (linear) or O(H³) (quadratic). Unstable once
+/// the effective mass of the flexible side at a port exceeds that of the rigid side.
 class ExplicitSerial final : public Scheme {
  public:
   ExplicitSerial(const CouplingParams& params, std::vector<PortInfo> ports);
@@ -54,25 +37,50 @@ class ExplicitSerial final : public Scheme {
  private:
   CouplingParams params_;
   std::vector<PortInfo> ports_;
+  RetainedInertia inertia_;
 };
 
-/// Fixed-point iteration λ ← λ + ω (Λ(M(λ)) − λ) with rollback (block Gauss–Seidel).
-/// ω constant, or Aitken's Δ² factor ω ← −ω r_old·(r − r_old)/‖r − r_old‖² in the scaled norm
-/// [Irons & Tuck 1969; Küttler & Wall 2008, eq. 44].
+/// m ← M(λ predicted) and λ ← Λ(m predicted): both sides compute at the same time, each from what
+/// the accepted past says of the other.
+class ExplicitParallel final : public Scheme {
+ public:
+  ExplicitParallel(const CouplingParams& params, std::vector<PortInfo> ports);
+  MacroStepEnd advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) override;
+
+ private:
+  CouplingParams params_;
+  std::vector<PortInfo> ports_;
+  RetainedInertia inertia_;
+};
+
+/// Fixed-point iteration with rollback, accelerated by relaxation or a quasi-Newton method.
+///   serial (block Gauss–Seidel):  x = λ,       G(x) = Λ(M(λ));
+///   parallel (block Jacobi):      x = (m, λ),  G(x) = (M(λ), Λ(m)), both sides at the same time.
+/// Converged when ‖Λ − λ‖ is within the tolerance and, in parallel, ‖M − m‖ too: the latter by the
+/// velocities, in m/s.
 class Implicit final : public Scheme {
  public:
   Implicit(const CouplingParams& params, std::vector<PortInfo> ports);
   MacroStepEnd advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) override;
 
  private:
+  MacroStepEnd in_turn(SimTime H, const InterfaceState& state, bool accepted, MbsSide& mbs,
+                       FemSide& fem);
+  MacroStepEnd in_parallel(SimTime H, const InterfaceState& state, bool accepted, MbsSide& mbs,
+                           FemSide& fem);
+
   CouplingParams params_;
   std::vector<PortInfo> ports_;
+  std::unique_ptr<Accelerator> accelerator_;
+  std::optional<SimTime> begun_;  ///< beginning of the last macro step
 };
 
 /// Newton's method on r(λ) = Λ(M(λ)) − λ with both sides' interface Jacobians:
 ///   (I − L B) δλ = r,   B = ∂M/∂λ (12P × 6P),   L = ∂Λ/∂m (6P × 12P),
 /// linearised once per macro step at the predicted wrench and kept (chord iteration): where both
-/// sides are affine in the port quantities two evaluations suffice. [Sicklinger et al. 2014,
+/// sides are affine in the port quantities two evaluations suffice. Either block may be kept for
+/// longer (JacobianBlock), at the price of further iterations; after every four evaluations that do
+/// not converge both are taken anew at the present iterate. [Sicklinger et al. 2014,
 /// Interface Jacobian-based co-simulation algorithm]
 class InterfaceJacobianScheme final : public Scheme {
  public:
@@ -82,6 +90,7 @@ class InterfaceJacobianScheme final : public Scheme {
  private:
   CouplingParams params_;
   std::vector<PortInfo> ports_;
+  JacobianBlock mbs_block_, fem_block_;
 };
 
 [[nodiscard]] std::unique_ptr<Scheme> make_scheme(const CouplingParams& params,

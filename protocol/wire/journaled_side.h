@@ -53,16 +53,19 @@ class JournaledSide final : public Subsystem<In, Out> {
   }
 
   StepResult<Out> advance(const StepRequest<In>& request) override {
-    ++iteration_;
     StepResult<Out> result = inner_.advance(request);
-    CallRecord& call = append(CallKind::Advance);
-    call.linearize = request.linearize;
-    call.step = request.step;
-    inputs(call) = request.input;
-    outputs(call).end = result.output;
-    call.outcome = result.outcome;
-    call.message = result.message;
-    call.solver_iterations = result.solver_iterations;
+    write_down(request, result);
+    return result;
+  }
+
+  void begin_advance(const StepRequest<In>& request) override {
+    begun_ = request;
+    inner_.begin_advance(request);
+  }
+
+  StepResult<Out> finish_advance() override {
+    StepResult<Out> result = inner_.finish_advance();
+    write_down(begun_, result);
     return result;
   }
 
@@ -110,6 +113,18 @@ class JournaledSide final : public Subsystem<In, Out> {
     }
   }
 
+  void write_down(const StepRequest<In>& request, const StepResult<Out>& result) {
+    ++iteration_;
+    CallRecord& call = append(CallKind::Advance);
+    call.linearize = request.linearize;
+    call.step = request.step;
+    inputs(call) = request.input;
+    outputs(call).end = result.output;
+    call.outcome = result.outcome;
+    call.message = result.message;
+    call.solver_iterations = result.solver_iterations;
+  }
+
   CallRecord& append(CallKind kind) {
     CallRecord& call = journal_.append();
     call.side = kIsMbs ? SideName::Mbs : SideName::Fem;
@@ -123,6 +138,7 @@ class JournaledSide final : public Subsystem<In, Out> {
 
   Subsystem<In, Out>& inner_;
   CallJournal& journal_;
+  StepRequest<In> begun_;
   bool checkpoint_first_ = false;
   bool rollback_first_ = false;
   std::int64_t macro_step_ = 0;

@@ -101,6 +101,7 @@ Bytes encode(const Header& header, const StepRecord& step) {
   packed.scheme_s = ledger.scheme_s;
   packed.record_s = ledger.record_s;
   packed.other_s = ledger.other_s;
+  packed.overlap_s = ledger.overlap_s;
   packed.discarded_s = ledger.discarded_s;
   packed.messages = ledger.messages;
   packed.bytes = ledger.bytes;
@@ -133,6 +134,7 @@ std::optional<StepRecord> decode_step(ByteView message) {
                  .scheme_s = packed->scheme_s,
                  .record_s = packed->record_s,
                  .other_s = packed->other_s,
+                 .overlap_s = packed->overlap_s,
                  .discarded_s = packed->discarded_s,
                  .messages = packed->messages,
                  .bytes = packed->bytes,

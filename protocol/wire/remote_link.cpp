@@ -91,31 +91,32 @@ void RemoteLink::on_reply(const Header& header, ByteView message) {
   decode_s_ = now_s() - arrival_s_;
 }
 
-void RemoteLink::await_reply(Bytes& request, CallCost& cost) {
-  reply_bytes_ = 0;
-  send(request, 0, cost);
+void RemoteLink::await_reply() {
   double timeout_s = kFirstTimeout_s;
   double resend_s = now_s() + timeout_s;
   while (reply_bytes_ == 0) {
     monitor_.wait(std::max(0.0, resend_s - now_s()));
     if (reply_bytes_ > 0 || now_s() < resend_s) continue;
-    send(request, static_cast<std::int32_t>(++cost.resent), cost);
+    send(request_, static_cast<std::int32_t>(++open_cost_.resent), open_cost_);
     timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
     resend_s = now_s() + timeout_s;
   }
 }
 
-void RemoteLink::book(double round_trip_s, CallCost& cost) {
+void RemoteLink::book(double blocked_s) {
   // What neither process books is on the way: kernel, wake-up, waiting for a lost message. On one
   // core we may wake while the server still is in its publish call: only the part of it that fits
   // into the round trip delayed us.
+  CallCost& cost = open_cost_;
+  const double round_trip_s = arrival_s_ - begin_s_;
   const ServerCost& server = reply_.cost;
   const double server_s = server.compute_s + server.decode_s + server.encode_s;
   // On one core the woken server runs inside our own publish call: what it books is not ours.
   cost.publish_s = std::min(cost.publish_s, std::max(0.0, round_trip_s - server_s));
   const double rest_s = std::max(0.0, round_trip_s - cost.publish_s - server_s);
   const double server_publish_s = std::clamp(server.publish_s, 0.0, rest_s);
-  cost.transit_s = rest_s - server_publish_s;
+  // A reply that lay here while the caller did other work was not on the way for so long.
+  cost.transit_s = std::min(rest_s - server_publish_s, blocked_s);
   cost.compute_s = server.compute_s;
   cost.encode_s += server.encode_s;
   cost.decode_s += server.decode_s;
@@ -127,29 +128,39 @@ void RemoteLink::book(double round_trip_s, CallCost& cost) {
 }
 
 Reply& RemoteLink::call(const RequestView& request, CallCost& cost) {
-  CallCost mine;
+  begin(request);
+  return finish(cost);
+}
+
+void RemoteLink::begin(const RequestView& request) {
+  open_cost_ = {};
   Header& header = request.head.header;
   const Header given = std::exchange(header, bus_.header(Kind::Request, ++sequence_));
-  header.macro_step = given.macro_step;
+  header.macro_step = macro_step_ = given.macro_step;
   header.iteration = given.iteration;
   const double encode_s = now_s();
   encode(request, request_);
-  const double begin_s = now_s();
-  mine.encode_s = begin_s - encode_s;
+  begin_s_ = now_s();
+  open_cost_.encode_s = begin_s_ - encode_s;
+  monitor_.set_macro_step(macro_step_);
+  reply_bytes_ = 0;
+  send(request_, 0, open_cost_);
+}
 
-  monitor_.set_macro_step(header.macro_step);
-  await_reply(request_, mine);
+Reply& RemoteLink::finish(CallCost& cost) {
+  const double finish_s = now_s();
+  await_reply();
   if (other_schema_) {
-    throw Error(ErrorKind::Partner,
-                fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "
-                            "message schema. Install both from one build.",
-                            text_of(options_.side), sequence_, header.macro_step,
-                            executable_of(options_.side)));
+    throw Error(
+        ErrorKind::Partner,
+        fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "
+                    "message schema. Install both from one build.",
+                    text_of(options_.side), sequence_, macro_step_, executable_of(options_.side)));
   }
-  mine.decode_s = decode_s_;
-  book(arrival_s_ - begin_s, mine);
-  cost += mine;
-  total_ += mine;
+  open_cost_.decode_s = decode_s_;
+  book(std::max(0.0, arrival_s_ - finish_s));
+  cost += open_cost_;
+  total_ += open_cost_;
   if (reply_.error) {
     const std::string name = std::string(text_of(options_.side)) + ": ";
     const bool named = reply_.message.starts_with(name);

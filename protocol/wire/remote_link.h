@@ -37,6 +37,11 @@ class RemoteLink {
   /// values may be moved from.
   Reply& call(const RequestView& request, CallCost& cost);
 
+  /// The two halves of call(): begin() sends and returns at once, finish() waits. In between the
+  /// caller may do other work, or exchange with the other side over the same bus.
+  void begin(const RequestView& request);
+  Reply& finish(CallCost& cost);
+
   /// Ends the side's server.
   void bye();
 
@@ -44,8 +49,8 @@ class RemoteLink {
 
  private:
   void send(Bytes& message, std::int32_t attempt, CallCost& cost);
-  void await_reply(Bytes& request, CallCost& cost);
-  void book(double round_trip_s, CallCost& cost);
+  void await_reply();
+  void book(double blocked_s);
   void on_reply(const Header& header, ByteView message);
   void check(const Handshake& welcome) const;
 
@@ -54,6 +59,9 @@ class RemoteLink {
   RemoteOptions options_;
   Subscription replies_;
   std::int64_t sequence_ = 0;
+  std::int64_t macro_step_ = 0;
+  CallCost open_cost_;           ///< of the call in progress
+  double begin_s_ = 0.0;         ///< when it was first sent
   Bytes request_;                ///< encoded; its memory serves every call
   Reply reply_;                  ///< of sequence_, once it is here
   std::size_t reply_bytes_ = 0;  ///< 0 while the call is open

@@ -34,6 +34,11 @@ class RemoteSide final : public Subsystem<In, Out> {
   }
 
   StepResult<Out> advance(const StepRequest<In>& step) override {
+    begin_advance(step);
+    return finish_advance();
+  }
+
+  void begin_advance(const StepRequest<In>& step) override {
     ++iteration_;
     Request head = make(RequestKind::Advance);
     head.step = step.step;
@@ -41,9 +46,12 @@ class RemoteSide final : public Subsystem<In, Out> {
     // Where the last accepted segment ended: the side still has it.
     const bool known = memory_.is_accepted(step.input.begin);
     memory_.given(step.input.end);
+    link_.begin(view(head, known ? none() : step.input.begin, step.input.end));
+  }
+
+  StepResult<Out> finish_advance() override {
     StepResult<Out> result;
-    Reply& reply =
-        link_.call(view(head, known ? none() : step.input.begin, step.input.end), result.cost);
+    Reply& reply = link_.finish(result.cost);
     result.outcome = reply.outcome;
     result.message = std::move(reply.message);
     result.output = outputs(reply);

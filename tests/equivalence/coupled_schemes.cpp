@@ -34,7 +34,11 @@ void expect_same(const std::string& scenario) {
   const std::vector<CoupledPair::Overrides> schemes = {
       {{"coupling.scheme", "interface_jacobian"}},
       {{"coupling.scheme", "implicit"}, {"coupling.relaxation", "aitken"}},
-      {{"coupling.scheme", "implicit"}, {"coupling.relaxation", "constant"}}};
+      {{"coupling.scheme", "implicit"}, {"coupling.relaxation", "constant"}},
+      {{"coupling.scheme", "implicit"}, {"coupling.relaxation", "iqn_ils"}},
+      {{"coupling.scheme", "implicit"},
+       {"coupling.relaxation", "iqn_imvj"},
+       {"coupling.iteration", "parallel"}}};
   for (const CoupledPair::Overrides& scheme : schemes) {
     const SchemeRun other = run(scenario, Mode::Inproc, scheme);
     ASSERT_EQ(other.report.status, RunStatus::Done) << other.report.message;

@@ -80,7 +80,7 @@ TEST(WireBytes, SchemasAreThoseOfProtocolVersion2) {
   EXPECT_EQ(fingerprint(encode(Control{})), "0");
   EXPECT_EQ(fingerprint(encode(Controlled{})), "0");
   EXPECT_EQ(fingerprint(encode(Header{}, CallRecord{})), "138300af595d604e");
-  EXPECT_EQ(fingerprint(encode(Header{}, StepRecord{})), "93ab6ed19d32821a");
+  EXPECT_EQ(fingerprint(encode(Header{}, StepRecord{})), "a0cb6c465152bbd2");
   EXPECT_EQ(fingerprint(encode(Header{}, StepJournal{})), "ad2ea303e3fc3014");
   EXPECT_EQ(fingerprint(encode(Header{}, Finished{})), "0a57f30fdac9cf4f");
   EXPECT_EQ(fingerprint(encode(Header{}, ScenarioText{})), "868aa6e1b5982bba");

@@ -25,8 +25,6 @@ int macro_steps_of(const Case& c) {
 }
 
 std::vector<std::string> settings(const Case& c) {
-  const bool constant = c.scheme == "implicit_constant";
-  const bool aitken = c.scheme == "implicit_aitken";
   std::vector<std::string> arguments{"--set",
                                      "run.macro_step_s=0.001",
                                      "--set",
@@ -35,11 +33,15 @@ std::vector<std::string> settings(const Case& c) {
                                      c.solver == "craig_bampton" ? "fem.formulation=craig_bampton"
                                                                  : "fem.solver.kind=" + c.solver};
   // What does not converge within the cap is accepted as such: here only the bits matter.
-  if (constant || aitken) {
-    arguments.insert(arguments.end(),
-                     {"--scheme", "implicit", "--set", "coupling.max_iterations=8", "--set",
-                      "coupling.on_not_converged=accept", "--set",
-                      std::string("coupling.relaxation=") + (constant ? "constant" : "aitken")});
+  const auto end_of_name = c.scheme.find('_');
+  const std::string kind = c.scheme.substr(0, end_of_name);
+  if (kind == "implicit" || kind == "parallel") {
+    arguments.insert(
+        arguments.end(),
+        {"--scheme", "implicit", "--set", "coupling.max_iterations=8", "--set",
+         "coupling.on_not_converged=accept", "--set",
+         "coupling.relaxation=" + c.scheme.substr(end_of_name + 1), "--set",
+         std::string("coupling.iteration=") + (kind == "parallel" ? "parallel" : "serial")});
   } else {
     arguments.insert(arguments.end(), {"--scheme", c.scheme});
   }
@@ -149,6 +151,8 @@ std::vector<Case> all_cases() {
          {"explicit_serial", "implicit_constant", "implicit_aitken", "interface_jacobian"}) {
       for (const char* solver : {"cholmod", "pcg"}) cases.push_back({example, scheme, solver});
     }
+    for (const char* scheme : {"explicit_parallel", "implicit_iqn_ils", "parallel_iqn_imvj"})
+      cases.push_back({example, scheme, "cholmod"});
   }
   return cases;
 }

@@ -9,7 +9,7 @@ namespace tandem::test {
 
 /// A free rigid body whose port is its centre, moving along x by semi-implicit Euler:
 ///   v⁺ = v + H f/m,  x⁺ = x + H v⁺.   Jacobian: ∂v⁺/∂f = H/m, ∂x⁺/∂f = H²/m.
-class MassMbs final : public MbsSide {
+class MassMbs : public MbsSide {
  public:
   struct State {
     double x = 0.0, v = 0.0;
@@ -58,7 +58,7 @@ class MassMbs final : public MbsSide {
 
 /// A mass that follows the port rigidly and hangs on a spring to ground, by backward Euler:
 ///   λ = −m (v⁺ − v)/H − k x⁺ (1 + ε x⁺²).   ε = 0: affine in the port motion.
-class MassSpringFem final : public FemSide {
+class MassSpringFem : public FemSide {
  public:
   MassSpringFem(double mass_kg, double stiffness_N_per_m, double hardening_per_m2 = 0.0)
       : mass_kg_(mass_kg), k_(stiffness_N_per_m), hardening_(hardening_per_m2) {

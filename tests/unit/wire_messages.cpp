@@ -201,7 +201,7 @@ StepJournal some_journal() {
   for (double* column :
        {&ledger.mbs_compute_s, &ledger.fem_compute_s, &ledger.encode_s, &ledger.decode_s,
         &ledger.publish_s, &ledger.transit_s, &ledger.wait_s, &ledger.scheme_s, &ledger.record_s,
-        &ledger.other_s, &ledger.discarded_s}) {
+        &ledger.other_s, &ledger.overlap_s, &ledger.discarded_s}) {
     *column = (value += 1.0);
   }
   std::int64_t number = 10;
@@ -260,7 +260,8 @@ TEST(WireMessages, JournalKeepsEveryFieldOfCallsAndStep) {
   EXPECT_EQ(encode(some_header(Kind::Step), journal.step),
             encode(some_header(Kind::Step), back->step));
   EXPECT_EQ(back->step.ledger.lost, 15);
-  EXPECT_EQ(back->step.ledger.discarded_s, 11.5);
+  EXPECT_EQ(back->step.ledger.overlap_s, 11.5);
+  EXPECT_EQ(back->step.ledger.discarded_s, 12.5);
 }
 
 TEST(WireMessages, EveryFlippedBitBreaksTheSeal) {
