@@ -418,6 +418,7 @@ Params read_params(const Node& root) {
   params.micro_step = root.has("run") && fem.has("micro_step_s")
                           ? sim_time_from_seconds(fem.real("micro_step_s"))
                           : macro_step;
+  params.follows_macro_step = !fem.has("micro_step_s");
   if (params.micro_step <= SimTime{} || macro_step % params.micro_step != SimTime{}) {
     fem.fail("micro_step_s", "the macro step of " + std::to_string(to_seconds(macro_step)) +
                                  " s is not a whole multiple of it.");

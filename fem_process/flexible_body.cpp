@@ -64,19 +64,23 @@ WrenchSet FlexibleBody::initialize(const MotionSet& motions) {
   return wrenches;
 }
 
+SimTime FlexibleBody::micro_step_of(SimTime macro_step) const {
+  return model_.params.follows_macro_step ? macro_step : model_.params.micro_step;
+}
+
 void FlexibleBody::check_request(const StepRequest<MotionSet>& request) const {
   require(step_.has_value(), "fem: advance before initialize.");
   require(request.input.begin.size() == model_.ports.size() &&
               request.input.end.size() == model_.ports.size(),
           "fem: advance: one motion per port is needed at both ends of the step.");
-  require(request.step > SimTime{} && request.step % model_.params.micro_step == SimTime{},
+  require(request.step > SimTime{} && request.step % micro_step_of(request.step) == SimTime{},
           "fem: advance: the macro step of " + std::to_string(request.step.count()) +
               " ns is not a whole multiple of the micro step of " +
               std::to_string(model_.params.micro_step.count()) + " ns. Change fem.micro_step_s.");
 }
 
 FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
-  const SimTime h = model_.params.micro_step;
+  const SimTime h = micro_step_of(request.step);
   const std::int64_t n = request.step / h;
   Advance done;
   done.last.state = state_;

@@ -63,6 +63,7 @@ class FlexibleBody final : public FlexibleSide {
   void check_changes();
   void make_scheduled_changes();
   void check_request(const StepRequest<MotionSet>& request) const;
+  [[nodiscard]] SimTime micro_step_of(SimTime macro_step) const;
 
   Model model_;
   SubsystemInfo info_;

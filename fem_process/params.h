@@ -90,6 +90,9 @@ struct Params {
   IntegratorParams integrator;
   SolverParams solver;
   SimTime micro_step{};
+  /// No micro step of its own: one step as long as the macro step, whatever that is. `micro_step`
+  /// is then the nominal macro step.
+  bool follows_macro_step = false;
   Eigen::Vector3d gravity_m_per_s2 = Eigen::Vector3d::Zero();
   std::vector<SetName> fixed;
   std::vector<Load> loads;

@@ -229,6 +229,14 @@ Key mbs_keys() {
               "ODE's own semi-implicit Euler step, first order and robust, or velocity Verlet on "
               "two steps of ODE, second order; for vibration together with a second-order "
               "fem.integrator."),
+      scenario::real("newmark_beta", "")
+          .only_when("integrator", {"verlet"})
+          .between(0, 0.25)
+          .by_default("0.25")
+          .doc_is(
+              "How the port wrench at the end of a verlet step acts on its pose: 0.25 is stable "
+              "with any flexible body, 0.0833333333333333 has a vibration's frequency to fourth "
+              "order while the step resolves it."),
       scenario::real("erp", "").between(0, 1).by_default("0.2").doc_is(
           "Share of a joint's position error that one step removes."),
       scenario::real("cfm", "").at_least(0).by_default("1e-10").doc_is(

@@ -168,6 +168,7 @@ Params read_mechanism(const Node& mbs) {
   params.gravity_m_per_s2 = mbs.vector3("gravity_m_per_s2");
   params.integrator =
       mbs.text("integrator") == "verlet" ? IntegratorKind::Verlet : IntegratorKind::Euler;
+  if (params.integrator == IntegratorKind::Verlet) params.newmark_beta = mbs.real("newmark_beta");
   params.erp = mbs.real("erp");
   params.cfm = mbs.real("cfm");
   for (const Node& node : mbs.list("bodies")) {

@@ -162,27 +162,24 @@ std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_ste
              ". The coupling has diverged: shorten the macro step.";
     }
   }
+  WrenchSet wrenches = input.begin;
   for (std::int64_t j = 1; j <= n; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
-    WrenchSet wrenches = interpolate(input, s, macro_step);
-    if (params_.integrator == IntegratorKind::Verlet) {
-      const double s_begin = static_cast<double>(j - 1) / static_cast<double>(n);
-      const WrenchSet begin = j == 1 ? input.begin : interpolate(input, s_begin, macro_step);
-      wrenches = unstack_wrenches(0.5 * (stack(begin) + stack(wrenches)));
-    }
-    if (auto failure = integrate_micro_step(state, h, wrenches)) return failure;
+    WrenchSet next = interpolate(input, s, macro_step);
+    if (auto failure = integrate_micro_step(state, h, {wrenches, next})) return failure;
+    wrenches = std::move(next);
   }
   return std::nullopt;
 }
 
 std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTime h,
-                                                            const WrenchSet& wrenches) {
+                                                            const Segment<WrenchSet>& wrenches) {
   const double h_s = to_seconds(h);
   try {
     if (params_.integrator == IntegratorKind::Verlet) {
       verlet_step(state, h_s, wrenches);
     } else {
-      euler_step(state, h_s, wrenches);
+      euler_step(state, h_s, wrenches.end);
     }
   } catch (const OdeFault& fault) {
     return "mbs: " + std::string(fault.what()) + at_time(state.time) +
@@ -213,10 +210,14 @@ void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches)
   track_coordinates(state);
 }
 
-void RigidWorld::verlet_step(State& state, double h_s, const WrenchSet& wrenches) {
+void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches) {
   const double t_s = to_seconds(state.time);
+  const double share = 2.0 * params_.newmark_beta;
+  const Eigen::VectorXd sum = stack(wrenches.begin) + stack(wrenches.end);
+  const Eigen::VectorXd first =
+      stack(wrenches.begin) + share * (stack(wrenches.end) - stack(wrenches.begin));
   const std::vector<BodyState> begin = state.bodies;
-  half_kick(state, t_s, h_s, wrenches, begin, params_.erp);
+  half_kick(state, t_s, h_s, unstack_wrenches(first), begin, params_.erp);
   track_coordinates(state);
   // Forces at the end need its velocities before they are known: 2 u − v is right to O(h²).
   const std::vector<BodyState> middle = state.bodies;
@@ -224,7 +225,7 @@ void RigidWorld::verlet_step(State& state, double h_s, const WrenchSet& wrenches
     state.bodies[i].v_WB = 2.0 * middle[i].v_WB - begin[i].v_WB;
     state.bodies[i].w_WB = 2.0 * middle[i].w_WB - begin[i].w_WB;
   }
-  half_kick(state, t_s + h_s, h_s, wrenches, middle, 0.0);
+  half_kick(state, t_s + h_s, h_s, unstack_wrenches(sum - first), middle, 0.0);
   // The second half changes velocities alone.
   for (std::size_t i = 0; i < begin.size(); ++i) {
     state.bodies[i].p_WB = middle[i].p_WB;

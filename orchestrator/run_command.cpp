@@ -70,7 +70,7 @@ void add_run(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand("run", "Run a coupled pair and write a run folder");
   command->scenario.declare(*sub);
   sub->add_option("--scheme", command->scenario.scheme,
-                  "explicit_serial, explicit_parallel, implicit or interface_jacobian");
+                  "explicit_serial, explicit_parallel, implicit, interface_jacobian or tlm");
   sub->add_option("--out", command->scenario.out, "Run folder [runs/<scenario>/<UTC time>]");
   sub->add_option("--transport", command->transport, "lcm: two processes; inproc: one")
       ->check(CLI::IsMember({"lcm", "inproc"}))

@@ -8,14 +8,15 @@ tandem_test(coupled_unit
   SOURCES unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp
   LIBS coupled_support LABELS unit)
 tandem_test(coupled_convergence
-  SOURCES convergence/coupled_free_pair.cpp
+  SOURCES convergence/coupled_free_pair.cpp convergence/coupled_second_order.cpp
   LIBS coupled_support LABELS convergence)
 tandem_test(coupled_reference
   SOURCES reference/coupled_reduction.cpp reference/coupled_slider_crank.cpp reference/coupled_truth.cpp
     reference/coupled_vibration.cpp
   LIBS coupled_support LABELS reference)
 tandem_test(coupled_equivalence
-  SOURCES equivalence/coupled_dense.cpp equivalence/coupled_schemes.cpp
+  SOURCES equivalence/coupled_dense.cpp equivalence/coupled_multi_rate.cpp
+    equivalence/coupled_schemes.cpp
   LIBS coupled_support LABELS equivalence)
 
 # Draws what modal reduction costs in accuracy, and prints its tables: reduction SVG_FILE.

@@ -4,3 +4,7 @@ tandem_test(test_schemes
     unit/schemes_options.cpp unit/schemes_prediction.cpp unit/schemes_test.cpp
   LIBS tandem_driver tandem_schemes
   LABELS unit)
+
+# Prints the tables of iterations and stability of docs/coupling.md.
+add_executable(coupling_sweep bench/coupling_sweep.cpp)
+target_link_libraries(coupling_sweep PRIVATE tandem_options tandem_driver tandem_schemes fmt::fmt)

@@ -123,19 +123,25 @@ TEST(MbsVerlet, DrivenSpringDamperOscillatorIsOfSecondOrderInPositionAndVelocity
   }
 }
 
-// A free body under port wrenches moves by the trapezoidal rule, exactly.
-TEST(MbsVerlet, FreeBodyFollowsTheTrapezoidalRule) {
-  Params params = verlet_params(kMillisecond);
-  params.bodies = {body_at("body", 2.0, Eigen::Vector3d::Zero())};
-  params.ports = {port_on("p", "body")};
-  RigidWorld world(params);
-  WrenchSet begin(1), end(1);
-  begin[0].f_P_W = {1.0, 2.0, -3.0};
-  end[0].f_P_W = {5.0, -2.0, 0.5};
-  ASSERT_EQ(world.advance(step_of(kMillisecond, begin, end)).outcome, Outcome::Done);
-  const Eigen::Vector3d v = 0.5e-3 * (begin[0].f_P_W + end[0].f_P_W) / 2.0;
-  EXPECT_LT((world.state().bodies[0].v_WB - v).norm(), 1e-18);
-  EXPECT_LT((world.state().bodies[0].p_WB - 0.5e-3 * v).norm(), 1e-21);
+// A free body under port wrenches moves by Newmark's rule, exactly.
+TEST(MbsVerlet, FreeBodyFollowsNewmarksRule) {
+  for (double beta : {0.0, 1.0 / 12.0, 0.25}) {
+    Params params = verlet_params(kMillisecond);
+    params.newmark_beta = beta;
+    params.bodies = {body_at("body", 2.0, Eigen::Vector3d::Zero())};
+    params.ports = {port_on("p", "body")};
+    RigidWorld world(params);
+    WrenchSet begin(1), end(1);
+    begin[0].f_P_W = {1.0, 2.0, -3.0};
+    end[0].f_P_W = {5.0, -2.0, 0.5};
+    ASSERT_EQ(world.advance(step_of(kMillisecond, begin, end)).outcome, Outcome::Done);
+    const Eigen::Vector3d a = begin[0].f_P_W / 2.0, a_end = end[0].f_P_W / 2.0;
+    const Eigen::Vector3d v = 0.5e-3 * (a + a_end);
+    const Eigen::Vector3d p = 1e-6 * ((0.5 - beta) * a + beta * a_end);
+    // A few roundings of numbers of these sizes.
+    EXPECT_LT((world.state().bodies[0].v_WB - v).norm(), 1e-17);
+    EXPECT_LT((world.state().bodies[0].p_WB - p).norm(), 1e-20);
+  }
 }
 
 // Energy booked: what a force law and a motor put in is what the bodies gain, to the integrator's

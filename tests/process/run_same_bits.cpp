@@ -42,6 +42,16 @@ std::vector<std::string> settings(const Case& c) {
          "coupling.on_not_converged=accept", "--set",
          "coupling.relaxation=" + c.scheme.substr(end_of_name + 1), "--set",
          std::string("coupling.iteration=") + (kind == "parallel" ? "parallel" : "serial")});
+  } else if (kind == "adaptive") {
+    arguments.insert(arguments.end(), {"--scheme", "interface_jacobian", "--set",
+                                       "coupling.adaptive.tolerance=0.01"});
+  } else if (kind == "retained") {
+    arguments.insert(arguments.end(), {"--scheme", "explicit_parallel", "--set",
+                                       "coupling.retained_inertia.factor=1"});
+  } else if (kind == "second") {
+    arguments.insert(arguments.end(),
+                     {"--set", "mbs.integrator=verlet", "--set", "fem.integrator.kind=hht", "--set",
+                      "coupling.jacobian.mbs_refresh=broyden"});
   } else {
     arguments.insert(arguments.end(), {"--scheme", c.scheme});
   }
@@ -151,7 +161,8 @@ std::vector<Case> all_cases() {
          {"explicit_serial", "implicit_constant", "implicit_aitken", "interface_jacobian"}) {
       for (const char* solver : {"cholmod", "pcg"}) cases.push_back({example, scheme, solver});
     }
-    for (const char* scheme : {"explicit_parallel", "implicit_iqn_ils", "parallel_iqn_imvj"})
+    for (const char* scheme : {"explicit_parallel", "implicit_iqn_ils", "parallel_iqn_imvj", "tlm",
+                               "adaptive_steps", "retained_inertia", "second_order"})
       cases.push_back({example, scheme, "cholmod"});
   }
   return cases;
