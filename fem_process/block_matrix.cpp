@@ -1,8 +1,8 @@
 #include "fem_process/block_matrix.h"
 
 #include <algorithm>
-#include <cstring>
 
+#include "fem_process/node_vectors.h"
 #include "fem_process/simd.h"
 
 namespace tandem::fem {
@@ -53,85 +53,177 @@ SubPattern sub_pattern(const BlockPattern& whole, const std::vector<int>& kept) 
 
 namespace {
 
-/// y = A x or a part of it; `entry(b)` is block b, 3 × 3 or a number.
-template <class Entry, class TransposedEntry>
-Eigen::VectorXd product(const BlockPattern& pattern, const Eigen::VectorXd& x, ProductPart part,
-                        const Entry& entry, const TransposedEntry& transposed) {
-  Eigen::VectorXd y(x.size());
-  const auto sum_row = [&](int i) {
-    const auto row = static_cast<std::size_t>(i);
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+/// Rows that a thread takes at a time.
+constexpr std::size_t kGrain = 256;
+
+/// A part of y = A x; `entry(b)` is block b, 3 × 3 or a number.
+template <class Entry>
+Eigen::VectorXd columns_product(const BlockPattern& pattern, const Eigen::VectorXd& x,
+                                const std::vector<int>& columns, const Entry& entry) {
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+  for (int j : columns) {
+    const auto row = static_cast<std::size_t>(j);
+    const Eigen::Vector3d x_j = x.segment<3>(3 * j);
     for (int b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
-      sum += entry(b) * x.segment<3>(3 * pattern.column[static_cast<std::size_t>(b)]);
+      y.segment<3>(3 * pattern.column[static_cast<std::size_t>(b)]) += entry(b) * x_j;
     }
-    y.segment<3>(3 * i) = sum;
-  };
-  if (part.columns != nullptr) {
-    y.setZero();
-    for (int j : *part.columns) {
-      const auto row = static_cast<std::size_t>(j);
-      const Eigen::Vector3d x_j = x.segment<3>(3 * j);
-      for (int b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
-        y.segment<3>(3 * pattern.column[static_cast<std::size_t>(b)]) += transposed(b) * x_j;
-      }
-    }
-  } else if (part.rows != nullptr) {
-    y.setZero();
-    for (int i : *part.rows) sum_row(i);
-  } else {
-    for (int i = 0; i < pattern.rows(); ++i) sum_row(i);
   }
   return y;
 }
 
-using Lanes = double __attribute__((vector_size(4 * sizeof(double))));
+/// Four lanes that begin with each row of a block meet x_j; the last row is read with the number
+/// before it, so that nothing behind the block is touched. Idle lanes are thrown away.
+template <class Registers>
+TANDEM_INLINE void multiply_rows_body(const int* row_start, const int* column,
+                                      const double* values, const Padded* x, Padded* y,
+                                      std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    Double4 sum[3] = {};
+    for (int b = row_start[i]; b < row_start[i + 1]; ++b) {
+      const double* block = values + 9 * static_cast<std::ptrdiff_t>(b);
+      Double4 x_j;
+      Double4 a[3];
+      load(x_j, x[column[b]].at);
+      load(a[0], block);
+      load(a[1], block + 3);
+      load(a[2], block + 5);
+      sum[0] += a[0] * x_j;
+      sum[1] += a[1] * x_j;
+      sum[2] += a[2] * __builtin_shufflevector(x_j, x_j, 3, 0, 1, 2);
+    }
+    sum[2] = __builtin_shufflevector(sum[2], sum[2], 1, 2, 3, 0);
+    Double4 idle{};
+    transpose(sum[0], sum[1], sum[2], idle);
+    const Double4 y_i = sum[0] + sum[1] + sum[2];
+    store(y_i, y[i].at);
+  }
+}
 
+TANDEM_VECTOR_FUNCTION(multiply_block_rows, multiply_rows_body,
+                       (const int* row_start, const int* column, const double* values,
+                        const Padded* x, Padded* y, std::size_t begin, std::size_t end),
+                       (row_start, column, values, x, y, begin, end))
+
+template <class Registers>
+TANDEM_INLINE void multiply_number_rows_body(const int* row_start, const int* column,
+                                             const double* values, const Padded* x, Padded* y,
+                                             std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    Double4 sum{};
+    for (int b = row_start[i]; b < row_start[i + 1]; ++b) {
+      Double4 x_j;
+      load(x_j, x[column[b]].at);
+      sum += values[b] * x_j;
+    }
+    store(sum, y[i].at);
+  }
+}
+
+TANDEM_VECTOR_FUNCTION(multiply_number_rows, multiply_number_rows_body,
+                       (const int* row_start, const int* column, const double* values,
+                        const Padded* x, Padded* y, std::size_t begin, std::size_t end),
+                       (row_start, column, values, x, y, begin, end))
+
+template <class Registers>
 TANDEM_INLINE void multiply_eight_body(const BlockPattern& pattern, const double* values,
-                                       const double* X, double* Y) {
-  for (std::size_t i = 0; i + 1 < pattern.row_start.size(); ++i) {
-    Lanes sum[6] = {};
+                                       const double* X, double* Y, std::size_t begin,
+                                       std::size_t end) {
+  using Lanes = typename Registers::Double8;
+  for (std::size_t i = begin; i < end; ++i) {
+    Lanes sum[3] = {};
     for (int b = pattern.row_start[i]; b < pattern.row_start[i + 1]; ++b) {
       const double* A = values + 9 * static_cast<std::ptrdiff_t>(b);
       const double* x_j =
           X + 24 * static_cast<std::ptrdiff_t>(pattern.column[static_cast<std::size_t>(b)]);
-      Lanes x[6];
-      for (int k = 0; k < 6; ++k) std::memcpy(&x[k], x_j + 4 * k, sizeof x[k]);
+      Lanes x[3];
+      for (int k = 0; k < 3; ++k) load(x[k], x_j + 8 * k);
       for (int r = 0; r < 3; ++r) {
-        for (int half = 0; half < 2; ++half) {
-          sum[2 * r + half] +=
-              A[3 * r] * x[half] + A[3 * r + 1] * x[2 + half] + A[3 * r + 2] * x[4 + half];
-        }
+        sum[r] += A[3 * r] * x[0] + A[3 * r + 1] * x[1] + A[3 * r + 2] * x[2];
       }
     }
-    for (std::size_t k = 0; k < 6; ++k) std::memcpy(Y + 24 * i + 4 * k, &sum[k], sizeof sum[k]);
+    for (std::size_t k = 0; k < 3; ++k) store(sum[k], Y + 24 * i + 8 * k);
   }
 }
 
-TANDEM_VECTOR_FUNCTION(multiply_eight_vectors, multiply_eight_body,
+TANDEM_VECTOR_FUNCTION(multiply_eight_rows, multiply_eight_body,
                        (const BlockPattern& pattern, const double* values, const double* X,
-                        double* Y),
-                       (pattern, values, X, Y))
+                        double* Y, std::size_t begin, std::size_t end),
+                       (pattern, values, X, Y, begin, end))
 
 }  // namespace
 
-Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockValues& values,
-                         const Eigen::VectorXd& x, ProductPart part) {
-  return product(
-      pattern, x, part, [&](int b) { return block(values, b); },
-      [&](int b) { return block(values, b).transpose(); });
+void multiply_rows(const BlockPattern& pattern, const BlockValues& values, const Padded* x,
+                   Padded* y, std::size_t begin, std::size_t end) {
+  multiply_block_rows(pattern.row_start.data(), pattern.column.data(), values.data(), x, y, begin,
+                      end);
 }
 
-EightVectors multiply_eight(const BlockPattern& pattern, const BlockValues& values,
-                            const EightVectors& X) {
-  EightVectors Y(8, X.cols());
-  multiply_eight_vectors(pattern, values.data(), X.data(), Y.data());
-  return Y;
+Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockValues& values,
+                         const Eigen::VectorXd& x, ProductPart part, ThreadTeam* team) {
+  if (part.columns != nullptr) {
+    return columns_product(pattern, x, *part.columns,
+                           [&](int b) { return block(values, b).transpose(); });
+  }
+  const auto rows = static_cast<std::size_t>(pattern.rows());
+  // Kept between calls: fresh memory costs more than the arithmetic.
+  static thread_local std::vector<Padded> in;
+  static thread_local std::vector<Padded> out;
+  pad(x, in);
+  if (part.rows != nullptr) {
+    out.assign(rows, Padded{});
+    for (int i : *part.rows) {
+      const auto row = static_cast<std::size_t>(i);
+      multiply_rows(pattern, values, in.data(), out.data(), row, row + 1);
+    }
+  } else {
+    ThreadTeam alone;
+    out.resize(rows);
+    // Helpers have thread-local vectors of their own.
+    const Padded* const from = in.data();
+    Padded* const to = out.data();
+    (team != nullptr ? *team : alone)
+        .run_ranges(rows, kGrain, [&](std::size_t begin, std::size_t end) {
+          multiply_rows(pattern, values, from, to, begin, end);
+        });
+  }
+  Eigen::VectorXd y;
+  unpad(out, y);
+  return y;
+}
+
+void multiply_eight(const BlockPattern& pattern, const BlockValues& values, const EightVectors& X,
+                    EightVectors& Y, ThreadTeam& team) {
+  Y.resize(8, X.cols());
+  team.run_ranges(static_cast<std::size_t>(pattern.rows()), kGrain,
+                  [&](std::size_t begin, std::size_t end) {
+                    multiply_eight_rows(pattern, values.data(), X.data(), Y.data(), begin, end);
+                  });
 }
 
 Eigen::VectorXd multiply_scalar(const BlockPattern& pattern, const std::vector<double>& values,
                                 const Eigen::VectorXd& x, ProductPart part) {
-  const auto entry = [&](int b) { return values[static_cast<std::size_t>(b)]; };
-  return product(pattern, x, part, entry, entry);
+  if (part.columns != nullptr) {
+    return columns_product(pattern, x, *part.columns,
+                           [&](int b) { return values[static_cast<std::size_t>(b)]; });
+  }
+  const auto rows = static_cast<std::size_t>(pattern.rows());
+  static thread_local std::vector<Padded> in;
+  static thread_local std::vector<Padded> out;
+  pad(x, in);
+  out.resize(rows);
+  const auto sum_rows = [&](std::size_t begin, std::size_t end) {
+    multiply_number_rows(pattern.row_start.data(), pattern.column.data(), values.data(), in.data(),
+                         out.data(), begin, end);
+  };
+  if (part.rows != nullptr) {
+    out.assign(rows, Padded{});
+    for (int i : *part.rows) sum_rows(static_cast<std::size_t>(i), static_cast<std::size_t>(i) + 1);
+  } else {
+    sum_rows(0, rows);
+  }
+  Eigen::VectorXd y;
+  unpad(out, y);
+  return y;
 }
 
 }  // namespace tandem::fem

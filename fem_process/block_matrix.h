@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "fem_process/mesh.h"
+#include "fem_process/simd.h"
+#include "fem_process/thread_team.h"
 
 namespace tandem::fem {
 
@@ -48,16 +50,22 @@ struct ProductPart {
   const std::vector<int>* rows = nullptr;
 };
 
-/// y = A x with 3 rows per node. The sums run in column order: the same bits every time.
+/// y = A x with 3 rows per node. The sums run in column order: the same bits every time, for any
+/// number of threads (null: the caller alone).
 [[nodiscard]] Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockValues& values,
-                                       const Eigen::VectorXd& x, ProductPart part = {});
+                                       const Eigen::VectorXd& x, ProductPart part = {},
+                                       ThreadTeam* team = nullptr);
+
+/// Rows [begin, end) of the same product.
+void multiply_rows(const BlockPattern& pattern, const BlockValues& values, const Padded* x,
+                   Padded* y, std::size_t begin, std::size_t end);
 
 /// Eight vectors side by side, one a row: column 3 i + k holds component k at node i of all.
 using EightVectors = Eigen::Matrix<double, 8, Eigen::Dynamic>;
 
 /// Y = A X for eight vectors at once.
-[[nodiscard]] EightVectors multiply_eight(const BlockPattern& pattern, const BlockValues& values,
-                                          const EightVectors& X);
+void multiply_eight(const BlockPattern& pattern, const BlockValues& values, const EightVectors& X,
+                    EightVectors& Y, ThreadTeam& team);
 
 /// y = (S ⊗ I₃) x: one number per block, as in a mass matrix.
 [[nodiscard]] Eigen::VectorXd multiply_scalar(const BlockPattern& pattern,

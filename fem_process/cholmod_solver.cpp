@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "fem_process/fill_reducing_order.h"
 #include "protocol/contract/error.h"
 
 // Of the OpenMP runtime that CHOLMOD itself is linked to. Declared here because <omp.h> belongs to
@@ -97,7 +98,13 @@ CholmodSolver::CholmodSolver(const BlockPattern& pattern) : handles_(std::make_u
   common.print = 0;
   common.supernodal = CHOLMOD_SUPERNODAL;
   handles_->fill_pattern(pattern);
-  handles_->factor = cholmod_analyze(handles_->matrix, &common);
+  std::vector<int> order;
+  for (int node : fill_reducing_order(pattern)) {
+    for (int k = 0; k < 3; ++k) order.push_back(3 * node + k);
+  }
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_GIVEN;
+  handles_->factor = cholmod_analyze_p(handles_->matrix, order.data(), nullptr, 0, &common);
   require(handles_->factor != nullptr && common.status == CHOLMOD_OK,
           "fem: CHOLMOD cannot analyse the step matrix (status " + std::to_string(common.status) +
               "). Use fem.solver.kind: pcg.");
@@ -106,7 +113,7 @@ CholmodSolver::CholmodSolver(const BlockPattern& pattern) : handles_(std::make_u
 CholmodSolver::~CholmodSolver() = default;
 
 SolveReport CholmodSolver::factorize(const BlockValues& A,
-                                     const std::vector<Eigen::Matrix3d>& /*rotations*/) {
+                                     const std::vector<NodeRotation>& /*rotations*/) {
   const SerialOpenMp serial;
   auto* values = static_cast<double*>(handles_->matrix->x);
   for (std::size_t i = 0; i < handles_->source.size(); ++i) values[i] = A[handles_->source[i]];

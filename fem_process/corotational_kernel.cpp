@@ -2,39 +2,45 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "fem_process/node_vectors.h"
 #include "fem_process/polar_lanes.h"
 #include "fem_process/simd.h"
 
 namespace tandem::fem {
 namespace {
 
-/// Per corner three numbers and one idle lane.
-constexpr int kCornerStride = 4;
-constexpr int kElementStride = 4 * kCornerStride;
+/// Batches that a thread takes at a time.
+constexpr std::size_t kGrain = 32;
 
-/// One batch: adds its forces, writes its vectors c, returns the bits of the inverted lanes.
+/// One batch: writes its corners' forces and vectors c, returns the bits of the inverted lanes.
+template <class Registers>
 TANDEM_INLINE int evaluate_batch(const CorotationalKernel::Batch& batch, double lambda, double mu,
-                                 const double* x, double* f, double* c) {
-  double ends[9][kLanes];  // edge to corner k + 1, coordinate a, at 3 k + a
+                                 const Padded* x, Padded* f, Padded* c) {
+  using Lanes = typename Registers::Double8;
+  Double4 ends[3][kLanes];  // from corner 0 to the others
   for (std::size_t n = 0; n < kLanes; ++n) {
-    const double* origin = x + 3 * static_cast<std::ptrdiff_t>(batch.node[0][n]);
+    Double4 origin;
+    load(origin, x[batch.node[n][0]].at);
     for (std::size_t k = 0; k < 3; ++k) {
-      const double* end = x + 3 * static_cast<std::ptrdiff_t>(batch.node[k + 1][n]);
-      for (std::size_t a = 0; a < 3; ++a) ends[3 * k + a][n] = end[a] - origin[a];
+      load(ends[k][n], x[batch.node[n][k + 1]].at);
+      ends[k][n] -= origin;
     }
   }
   Lanes edge[9];
-  for (int k = 0; k < 9; ++k) load(edge[k], ends[k]);
+  for (int k = 0; k < 3; ++k) {
+    gather_lanes<Registers>(ends[k], edge[3 * k], edge[3 * k + 1], edge[3 * k + 2]);
+  }
   Lanes g[9];
   for (std::size_t k = 0; k < 9; ++k) load(g[k], batch.gradient[k].data());
-  LaneMatrix F;
+  LaneMatrix<Lanes> F;
   for (int a = 0; a < 3; ++a) {
     for (int b = 0; b < 3; ++b) {
       F.at[3 * a + b] = edge[a] * g[b] + edge[3 + a] * g[3 + b] + edge[6 + a] * g[6 + b];
     }
   }
-  LaneMatrix R;
+  LaneMatrix<Lanes> R;
   const int inverted = polar_lanes(F, R);
 
   // V σ, σ symmetric: of the strain in the turned axes.
@@ -49,9 +55,9 @@ TANDEM_INLINE int evaluate_batch(const CorotationalKernel::Batch& batch, double 
   const Lanes e2 = A[8] - 1.0;
   Lanes volume;
   load(volume, batch.volume.data());
-  const Lanes pressure = volume * lambda * (e0 + e1 + e2);
-  const Lanes twice = volume * (2.0 * mu);
-  const Lanes shear = volume * mu;
+  const Lanes pressure = lambda * volume * (e0 + e1 + e2);
+  const Lanes twice = (2.0 * mu) * volume;
+  const Lanes shear = mu * volume;
   const Lanes s01 = shear * (A[1] + A[3]);
   const Lanes s12 = shear * (A[5] + A[7]);
   const Lanes s02 = shear * (A[2] + A[6]);
@@ -77,57 +83,45 @@ TANDEM_INLINE int evaluate_batch(const CorotationalKernel::Batch& batch, double 
     force[a] = -(force[3 + a] + force[6 + a] + force[9 + a]);
     turned[a] = -(turned[3 + a] + turned[6 + a] + turned[9 + a]);
   }
-  for (int n = 0; n < batch.count; ++n) {
-    for (int i = 0; i < 4; ++i) {
-      double* f_i =
-          f + 3 * static_cast<std::ptrdiff_t>(
-                      batch.node[static_cast<std::size_t>(i)][static_cast<std::size_t>(n)]);
-      double* c_i = c + n * kElementStride + i * kCornerStride;
-      for (int a = 0; a < 3; ++a) {
-        f_i[a] += force[3 * i + a][n];
-        c_i[a] = turned[3 * i + a][n];
-      }
-    }
+  for (int i = 0; i < 4; ++i) {
+    constexpr int kStride = 16;
+    scatter_lanes<Registers>(force[3 * i], force[3 * i + 1], force[3 * i + 2], f[i].at, kStride);
+    scatter_lanes<Registers>(turned[3 * i], turned[3 * i + 1], turned[3 * i + 2], c[i].at, kStride);
   }
   return inverted & ((1 << batch.count) - 1);
 }
 
-TANDEM_INLINE void evaluate_body(const std::vector<CorotationalKernel::Batch>& batches,
-                                 double lambda, double mu, const double* x, double* f, double* c,
+template <class Registers>
+TANDEM_INLINE void evaluate_body(const CorotationalKernel::Batch* batch, std::size_t count,
+                                 double lambda, double mu, const Padded* x, Padded* f, Padded* c,
                                  int& inverted) {
-  for (const CorotationalKernel::Batch& batch : batches) {
-    for (int bits = evaluate_batch(batch, lambda, mu, x, f, c); bits != 0; bits &= bits - 1) {
+  for (std::size_t b = 0; b < count; ++b) {
+    const std::size_t first = 4 * kLanes * b;
+    for (int bits = evaluate_batch<Registers>(batch[b], lambda, mu, x, f + first, c + first); bits != 0;
+         bits &= bits - 1) {
       ++inverted;
     }
-    c += kLanes * kElementStride;
   }
 }
 
 TANDEM_VECTOR_FUNCTION(evaluate_batches, evaluate_body,
-                       (const std::vector<CorotationalKernel::Batch>& batches, double lambda,
-                        double mu, const double* x, double* f, double* c, int& inverted),
-                       (batches, lambda, mu, x, f, c, inverted))
-
-/// λ D + μ Dᵀ + μ tr D I.
-Block stiffness(const Block& D, double lambda, double mu) {
-  Block K = lambda * D + mu * D.transpose();
-  K.diagonal().array() += mu * D.trace();
-  return K;
-}
+                       (const CorotationalKernel::Batch* batch, std::size_t count, double lambda,
+                        double mu, const Padded* x, Padded* f, Padded* c, int& inverted),
+                       (batch, count, lambda, mu, x, f, c, inverted))
 
 }  // namespace
 
 CorotationalKernel::CorotationalKernel(const std::vector<TetShape>& shapes,
-                                       const BlockPattern& pattern, const Material& material) {
-  const Matrix6d elastic = elasticity(material);
-  lambda_ = elastic(0, 1);
-  mu_ = elastic(3, 3);
+                                       const BlockPattern& pattern, const Material& material)
+    : lambda_(elasticity(material)(0, 1)),
+      mu_(elasticity(material)(3, 3)),
+      assembly_(shapes, pattern, lambda_, mu_) {
   for (std::size_t first = 0; first < shapes.size(); first += kLanes) {
     Batch& batch = batches_.emplace_back();
     batch.count = static_cast<int>(std::min<std::size_t>(kLanes, shapes.size() - first));
     for (std::size_t n = 0; n < kLanes; ++n) {
       const TetShape& shape = shapes[std::min(first + n, shapes.size() - 1)];
-      for (std::size_t i = 0; i < 4; ++i) batch.node[i][n] = shape.nodes[i];
+      batch.node[n] = shape.nodes;
       for (int k = 0; k < 9; ++k) {
         batch.gradient[static_cast<std::size_t>(k)][n] = shape.gradients(k / 3 + 1, k % 3);
       }
@@ -135,72 +129,31 @@ CorotationalKernel::CorotationalKernel(const std::vector<TetShape>& shapes,
       batch.root_volume[n] = std::sqrt(shape.volume);
     }
   }
-  list_edges(shapes, pattern);
 }
 
-void CorotationalKernel::list_edges(const std::vector<TetShape>& shapes,
-                                    const BlockPattern& pattern) {
-  std::vector<std::vector<Term>> terms(pattern.blocks());
-  for (std::size_t e = 0; e < shapes.size(); ++e) {
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) {
-        const auto b =
-            static_cast<std::size_t>(shapes[e].blocks[static_cast<std::size_t>(4 * i + j)]);
-        const int c = static_cast<int>(e) * kElementStride;
-        terms[b].push_back({c + i * kCornerStride, c + j * kCornerStride});
-      }
-    }
-  }
-  for (int i = 0; i < pattern.rows(); ++i) {
-    const auto row = static_cast<std::size_t>(i);
-    diagonal_.push_back(pattern.find(i, i));
-    for (int b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
-      const auto at = static_cast<std::size_t>(b);
-      const int j = pattern.column[at];
-      if (j <= i) continue;
-      edges_.push_back({b, pattern.find(j, i), i, j, static_cast<int>(terms_.size())});
-      terms_.insert(terms_.end(), terms[at].begin(), terms[at].end());
-    }
-  }
-  edges_.push_back({.first_term = static_cast<int>(terms_.size())});
-}
-
-int CorotationalKernel::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int,
-                                 BlockValues& K) const {
+int CorotationalKernel::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K,
+                                 ThreadTeam& team) const {
   // Kept between calls: fresh memory of this size costs more than the arithmetic.
-  static thread_local std::vector<double> c;
-  c.resize(batches_.size() * kLanes * kElementStride);
-  f_int.setZero(x.size());
-  int inverted = 0;
-  evaluate_batches(batches_, lambda_, mu_, x.data(), f_int.data(), c.data(), inverted);
-  assemble(c, K);
-  return inverted;
-}
-
-void CorotationalKernel::assemble(const std::vector<double>& c, BlockValues& K) const {
-  K.resize(9 * static_cast<std::size_t>(2 * (edges_.size() - 1) + diagonal_.size()));
-  for (int b : diagonal_) block(K, b).setZero();
-  for (std::size_t e = 0; e + 1 < edges_.size(); ++e) {
-    const Edge& edge = edges_[e];
-    Block D = Block::Zero();
-    for (int t = edge.first_term; t < edges_[e + 1].first_term; ++t) {
-      const Term& term = terms_[static_cast<std::size_t>(t)];
-      const Eigen::Map<const Eigen::Vector3d> c_i(c.data() + term.c_i);
-      const Eigen::Map<const Eigen::Vector3d> c_j(c.data() + term.c_j);
-      D.noalias() += c_i * c_j.transpose();
-    }
-    // Gathered as D first; D_ji = D_ijᵀ.
-    block(K, diagonal_[static_cast<std::size_t>(edge.i)]) -= D;
-    block(K, diagonal_[static_cast<std::size_t>(edge.j)]) -= D.transpose();
-    const Block K_ij = stiffness(D, lambda_, mu_);
-    block(K, edge.upper) = K_ij;
-    block(K, edge.lower) = K_ij.transpose();
-  }
-  for (int b : diagonal_) {
-    const Block D = block(K, b);
-    // Symmetric but for round-off: made so exactly, the solvers take one triangle.
-    block(K, b) = stiffness(0.5 * (D + D.transpose()), lambda_, mu_);
-  }
+  static thread_local std::vector<Padded> nodes;
+  static thread_local std::vector<Padded> c;
+  static thread_local std::vector<Padded> f;
+  static thread_local std::vector<int> inverted;
+  pad(x, nodes);
+  c.resize(4 * kLanes * batches_.size());
+  f.resize(c.size());
+  inverted.assign((batches_.size() + kGrain - 1) / kGrain, 0);
+  // The helpers have thread-local vectors of their own.
+  Padded* const all_c = c.data();
+  Padded* const all_f = f.data();
+  const Padded* const all_x = nodes.data();
+  int* const counts = inverted.data();
+  team.run_ranges(batches_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    evaluate_batches(batches_.data() + begin, end - begin, lambda_, mu_, all_x,
+                     all_f + 4 * kLanes * begin, all_c + 4 * kLanes * begin,
+                     counts[begin / kGrain]);
+  });
+  assembly_.gather(c, f, f_int, K, team);
+  return std::accumulate(inverted.begin(), inverted.end(), 0);
 }
 
 }  // namespace tandem::fem

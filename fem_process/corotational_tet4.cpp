@@ -27,11 +27,12 @@ std::vector<TetShape> tet_shapes(const TetMesh& mesh, const BlockPattern& patter
 
 }  // namespace
 
-CorotationalTet4::CorotationalTet4(const TetMesh& mesh, const Material& material)
+CorotationalTet4::CorotationalTet4(const TetMesh& mesh, const Material& material, ThreadTeam* team)
     : X_(3 * mesh.nodes()),
       D_(elasticity(material)),
       pattern_(pattern_of(mesh)),
-      kernel_(tet_shapes(mesh, pattern_), pattern_, material) {
+      kernel_(tet_shapes(mesh, pattern_), pattern_, material),
+      team_(team) {
   check(material);
   for (int i = 0; i < mesh.nodes(); ++i) X_.segment<3>(3 * i) = mesh.X[static_cast<std::size_t>(i)];
   elements_.reserve(mesh.tets.size());
@@ -55,7 +56,8 @@ CorotationalTet4::Local CorotationalTet4::localise(const Tet4& element,
 
 int CorotationalTet4::evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int,
                                BlockValues& K) const {
-  return kernel_.evaluate(x, f_int, K);
+  ThreadTeam alone;
+  return kernel_.evaluate(x, f_int, K, team_ != nullptr ? *team_ : alone);
 }
 
 /// With dR = R Ω and S = Rᵀ F: from Rᵀ dF = Ω S + dS, the axial vector ω of Ω solves

@@ -8,6 +8,7 @@
 #include "fem_process/material.h"
 #include "fem_process/mesh.h"
 #include "fem_process/tet4.h"
+#include "fem_process/thread_team.h"
 
 namespace tandem::fem {
 
@@ -23,7 +24,8 @@ struct Tet4 : TetShape {
 /// to corner 0 keeps round-off independent of the distance from the world origin.
 class CorotationalTet4 final : public Formulation {
  public:
-  CorotationalTet4(const TetMesh& mesh, const Material& material);
+  /// `team` makes evaluate(); null: the caller alone.
+  CorotationalTet4(const TetMesh& mesh, const Material& material, ThreadTeam* team = nullptr);
 
   [[nodiscard]] const BlockPattern& pattern() const override { return pattern_; }
   int evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K) const override;
@@ -48,6 +50,7 @@ class CorotationalTet4 final : public Formulation {
   BlockPattern pattern_;
   CorotationalKernel kernel_;
   std::vector<Tet4> elements_;
+  ThreadTeam* team_;
 };
 
 }  // namespace tandem::fem

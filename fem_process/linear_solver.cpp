@@ -6,8 +6,10 @@
 namespace tandem::fem {
 
 std::unique_ptr<LinearSolver> make_solver(const SolverParams& params, const BlockPattern& pattern,
-                                          const RestFactor* rest) {
-  if (params.kind == SolverKind::Pcg) return std::make_unique<PcgSolver>(params, pattern, rest);
+                                          const RestFactor* rest, ThreadTeam* team) {
+  if (params.kind == SolverKind::Pcg) {
+    return std::make_unique<PcgSolver>(params, pattern, rest, team);
+  }
   return std::make_unique<CholmodSolver>(pattern);
 }
 

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "fem_process/block_matrix.h"
+#include "fem_process/node_rotations.h"
+#include "fem_process/thread_team.h"
 #include "protocol/contract/subsystem.h"
 
 namespace tandem::fem {
@@ -46,10 +48,11 @@ class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
 
-  /// Takes the values of A. Failed when A is found not to be positive definite. `rotations` of the
-  /// nodes since the reference positions help a warped preconditioner; empty: none.
+  /// Takes the values of A; an iterative solver refers to them until the next call. Failed when A
+  /// is found not to be positive definite. `rotations` of the nodes since the reference positions
+  /// help a warped preconditioner; empty: none.
   virtual SolveReport factorize(const BlockValues& A,
-                                const std::vector<Eigen::Matrix3d>& rotations) = 0;
+                                const std::vector<NodeRotation>& rotations) = 0;
   SolveReport factorize(const BlockValues& A) { return factorize(A, {}); }
 
   /// Corrects a guess: solves A δ = r, one column per right-hand side, and overwrites r with δ.
@@ -57,10 +60,11 @@ class LinearSolver {
   virtual SolveReport solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) = 0;
 };
 
-/// The pattern and the factor must outlive the solver. Without a factor PCG uses the diagonal
-/// blocks.
+/// The pattern, the factor and the team must outlive the solver. Without a factor PCG uses the
+/// diagonal blocks, without a team it runs on the caller's thread.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_solver(const SolverParams& params,
                                                         const BlockPattern& pattern,
-                                                        const RestFactor* rest = nullptr);
+                                                        const RestFactor* rest = nullptr,
+                                                        ThreadTeam* team = nullptr);
 
 }  // namespace tandem::fem

@@ -27,11 +27,11 @@ std::unique_ptr<const Formulation> make(FormulationKind kind, const TetMesh& mes
 }  // namespace
 
 std::unique_ptr<const Formulation> make_formulation(FormulationKind kind, const TetMesh& mesh,
-                                                    const Materials& materials) {
+                                                    const Materials& materials, ThreadTeam* team) {
   if (mesh.second_order()) return make<10>(kind, mesh, materials);
   // The fast kernel knows one pair of Lamé constants.
   if (kind == FormulationKind::Corotational && materials.uniform_isotropic()) {
-    return std::make_unique<CorotationalTet4>(mesh, materials.list.front());
+    return std::make_unique<CorotationalTet4>(mesh, materials.list.front(), team);
   }
   return make<4>(kind, mesh, materials);
 }

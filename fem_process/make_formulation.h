@@ -12,6 +12,7 @@ namespace tandem::fem {
 /// For the mesh's order.
 [[nodiscard]] std::unique_ptr<const Formulation> make_formulation(FormulationKind kind,
                                                                   const TetMesh& mesh,
-                                                                  const Materials& materials);
+                                                                  const Materials& materials,
+                                                                  ThreadTeam* team = nullptr);
 
 }  // namespace tandem::fem

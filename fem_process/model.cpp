@@ -49,9 +49,10 @@ Model::Model(Params given) : params(std::move(given)) {
     if (params.integrator.newton_steps == 0) params.integrator.newton_steps = 100;
   }
   mesh = read_mesh(params.mesh);
+  team = std::make_unique<ThreadTeam>(params.threads);
   materials = params.materials.empty() ? Materials(params.material)
                                        : assign_materials(mesh, params.materials);
-  formulation = make_formulation(params.formulation, mesh, materials);
+  formulation = make_formulation(params.formulation, mesh, materials, team.get());
   integrator = make_integrator(params.integrator);
   mass = mass_matrix(mesh, pattern(), materials, params.mass);
   nodal_mass = nodal_masses(pattern(), mass);

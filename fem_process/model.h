@@ -11,6 +11,7 @@
 #include "fem_process/loads.h"
 #include "fem_process/mesh.h"
 #include "fem_process/params.h"
+#include "fem_process/thread_team.h"
 
 namespace tandem::fem {
 
@@ -28,6 +29,7 @@ class Model {
   Params params;
   TetMesh mesh;
   Materials materials;
+  std::unique_ptr<ThreadTeam> team;  ///< that the loops of a step share
   std::unique_ptr<const Formulation> formulation;
   std::unique_ptr<const Integrator> integrator;
   std::vector<double> mass;        ///< per block (kg)

@@ -3,29 +3,82 @@
 #include <algorithm>
 #include <utility>
 
+#include "fem_process/node_vectors.h"
 #include "fem_process/polar_lanes.h"
 #include "fem_process/tet4.h"
 
 namespace tandem::fem {
 namespace {
 
-/// R = polar(F) of four matrices.
-TANDEM_INLINE void turn_body(const double (&F)[9][kLanes], double (&R)[9][kLanes]) {
-  LaneMatrix in;
-  LaneMatrix out;
-  for (int k = 0; k < 9; ++k) load(in.at[k], F[k]);
-  polar_lanes(in, out);
-  for (int k = 0; k < 9; ++k) std::memcpy(R[k], &out.at[k], sizeof R[k]);
+/// Nodes that a thread takes at a time: whole batches of lanes.
+constexpr std::size_t kGrain = 16 * kLanes;
+
+/// Rows of F of a node.
+TANDEM_INLINE void add_gradient(const BlockPattern& pattern, const Padded* G, const Padded* x,
+                                int node, Double4& F0, Double4& F1, Double4& F2) {
+  const auto row = static_cast<std::size_t>(node);
+  Double4 x_i;
+  load(x_i, x[node].at);
+  F0 = F1 = F2 = Double4{};
+  for (int b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
+    Double4 d;
+    Double4 g;
+    load(d, x[pattern.column[static_cast<std::size_t>(b)]].at);
+    load(g, G[b].at);
+    d -= x_i;
+    F0 += d[0] * g;
+    F1 += d[1] * g;
+    F2 += d[2] * g;
+  }
 }
 
-TANDEM_VECTOR_FUNCTION(turn, turn_body, (const double (&F)[9][kLanes], double (&R)[9][kLanes]),
-                       (F, R))
+void set_rotation(const double (&R)[3][4], NodeRotation& rotation) {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      rotation.row[i][j] = static_cast<float>(R[i][j]);
+      rotation.column[j][i] = rotation.row[i][j];
+    }
+    rotation.row[i][3] = 0.0F;
+    rotation.column[i][3] = 0.0F;
+  }
+}
+
+template <class Registers>
+TANDEM_INLINE void turn_body(const BlockPattern& pattern, const Padded* G, const int* nodes,
+                             std::size_t count, const Padded* x, NodeRotation* rotations) {
+  using Lanes = typename Registers::Double8;
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    Double4 rows[3][kLanes];
+    for (std::size_t n = 0; n < kLanes; ++n) {
+      add_gradient(pattern, G, x, nodes[std::min(first + n, count - 1)], rows[0][n], rows[1][n],
+                   rows[2][n]);
+    }
+    LaneMatrix<Lanes> F;
+    LaneMatrix<Lanes> R;
+    for (int r = 0; r < 3; ++r) {
+      gather_lanes<Registers>(rows[r], F.at[3 * r], F.at[3 * r + 1], F.at[3 * r + 2]);
+    }
+    polar_lanes(F, R);
+    double turned[kLanes][3][4];
+    for (int r = 0; r < 3; ++r) {
+      scatter_lanes<Registers>(R.at[3 * r], R.at[3 * r + 1], R.at[3 * r + 2], turned[0][r], 12);
+    }
+    for (std::size_t n = 0; n < kLanes && first + n < count; ++n) {
+      set_rotation(turned[n], rotations[first + n]);
+    }
+  }
+}
+
+TANDEM_VECTOR_FUNCTION(turn, turn_body,
+                       (const BlockPattern& pattern, const Padded* G, const int* nodes,
+                        std::size_t count, const Padded* x, NodeRotation* rotations),
+                       (pattern, G, nodes, count, x, rotations))
 
 }  // namespace
 
 NodeRotations::NodeRotations(const TetMesh& mesh, const BlockPattern& pattern,
                              std::vector<int> nodes)
-    : pattern_(pattern), nodes_(std::move(nodes)), G_(pattern.blocks(), Eigen::Vector3d::Zero()) {
+    : pattern_(pattern), nodes_(std::move(nodes)), G_(pattern.blocks(), Padded{}) {
   std::vector<double> volume(mesh.X.size(), 0.0);
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
     const Tet& corners = mesh.tets[e];
@@ -33,45 +86,30 @@ NodeRotations::NodeRotations(const TetMesh& mesh, const BlockPattern& pattern,
     for (int i : mesh.element(e)) {
       volume[static_cast<std::size_t>(i)] += shape.volume;
       for (std::size_t j = 0; j < 4; ++j) {
-        G_[static_cast<std::size_t>(pattern.find(i, corners[j]))] +=
-            shape.volume * shape.gradients.row(static_cast<Eigen::Index>(j)).transpose();
+        Padded& G = G_[static_cast<std::size_t>(pattern.find(i, corners[j]))];
+        for (int a = 0; a < 3; ++a) {
+          G.at[a] += shape.volume * shape.gradients(static_cast<Eigen::Index>(j), a);
+        }
       }
     }
   }
   for (std::size_t i = 0; i < volume.size(); ++i) {
     for (int b = pattern.row_start[i]; b < pattern.row_start[i + 1]; ++b) {
-      G_[static_cast<std::size_t>(b)] /= volume[i];
+      for (double& entry : G_[static_cast<std::size_t>(b)].at) entry /= volume[i];
     }
   }
 }
 
-std::vector<Eigen::Matrix3d> NodeRotations::at(const Eigen::VectorXd& x) const {
-  std::vector<Eigen::Matrix3d> rotations(nodes_.size());
-  for (std::size_t first = 0; first < nodes_.size(); first += kLanes) {
-    const std::size_t count = std::min<std::size_t>(kLanes, nodes_.size() - first);
-    double F[9][kLanes];
-    for (std::size_t n = 0; n < kLanes; ++n) {
-      const Block lane = gradient(nodes_[first + std::min(n, count - 1)], x);
-      for (int k = 0; k < 9; ++k) F[k][n] = lane(k / 3, k % 3);
-    }
-    double R[9][kLanes];
-    turn(F, R);
-    for (std::size_t n = 0; n < count; ++n) {
-      for (int k = 0; k < 9; ++k) rotations[first + n](k / 3, k % 3) = R[k][n];
-    }
-  }
-  return rotations;
-}
-
-Block NodeRotations::gradient(int node, const Eigen::VectorXd& x) const {
-  const auto row = static_cast<std::size_t>(node);
-  const Eigen::Vector3d x_i = x.segment<3>(3 * node);
-  Block F = Block::Zero();
-  for (int b = pattern_.row_start[row]; b < pattern_.row_start[row + 1]; ++b) {
-    const auto at = static_cast<std::size_t>(b);
-    F.noalias() += (x.segment<3>(3 * pattern_.column[at]) - x_i) * G_[at].transpose();
-  }
-  return F;
+void NodeRotations::at(const Eigen::VectorXd& x, std::vector<NodeRotation>& rotations,
+                       ThreadTeam& team) const {
+  // Kept between calls; helpers have thread-local vectors of their own.
+  static thread_local std::vector<Padded> padded;
+  pad(x, padded);
+  const Padded* const all = padded.data();
+  rotations.resize(nodes_.size());
+  team.run_ranges(nodes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    turn(pattern_, G_.data(), nodes_.data() + begin, end - begin, all, rotations.data() + begin);
+  });
 }
 
 }  // namespace tandem::fem

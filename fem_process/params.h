@@ -89,6 +89,7 @@ struct Params {
   Damping damping;
   IntegratorParams integrator;
   SolverParams solver;
+  int threads = 1;  ///< of the loops of a step; the results do not depend on it
   SimTime micro_step{};
   /// No micro step of its own: one step as long as the macro step, whatever that is. `micro_step`
   /// is then the nominal macro step.

@@ -1,13 +1,18 @@
 #include "fem_process/pcg_solver.h"
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <cstdio>
-#include <cstring>
+#include <numeric>
 
+#include "fem_process/node_vectors.h"
 #include "fem_process/simd.h"
 
 namespace tandem::fem {
 namespace {
+
+/// Nodes that a thread takes, and whose products are summed, at a time.
+constexpr std::size_t kGroup = 256;
 
 std::string text(const char* format, double a, double b, int n) {
   char buffer[200];
@@ -15,45 +20,108 @@ std::string text(const char* format, double a, double b, int n) {
   return buffer;
 }
 
-using Lanes = double __attribute__((vector_size(4 * sizeof(double))));
+TANDEM_INLINE double sum_of(const Double4& sums) { return (sums[0] + sums[1]) + sums[2]; }
 
-/// y = A x: `columns` holds the blocks by columns, and one number more. The fourth lane is idle: it
-/// computes with the next column's first entry and is thrown away.
-TANDEM_INLINE void multiply_body(const BlockPattern& pattern, const double* columns,
-                                 const double* x, double* y) {
-  for (std::size_t i = 0; i < pattern.row_start.size() - 1; ++i) {
-    Lanes sum{};
-    for (int b = pattern.row_start[i]; b < pattern.row_start[i + 1]; ++b) {
-      const double* block = columns + 9 * static_cast<std::ptrdiff_t>(b);
-      const double* x_j =
-          x + 3 * static_cast<std::ptrdiff_t>(pattern.column[static_cast<std::size_t>(b)]);
-      Lanes a[3];
-      for (int k = 0; k < 3; ++k) std::memcpy(&a[k], block + 3 * k, sizeof a[k]);
-      sum += a[0] * x_j[0] + a[1] * x_j[1] + a[2] * x_j[2];
+/// Nodes [begin, end) of z = D⁻¹ r and of r · z; the inverse blocks are symmetric.
+template <class Registers>
+TANDEM_INLINE void jacobi_body(const double* inverse, const Padded* r, Padded* z,
+                               std::size_t begin, std::size_t end, double& product) {
+  Double4 sums{};
+  for (std::size_t i = begin; i < end; ++i) {
+    const double* row = inverse + 9 * i;
+    Double4 z_i{};
+    Double4 r_i;
+    load(r_i, r[i].at);
+    for (int k = 0; k < 3; ++k) {
+      const Double4 column = {row[3 * k], row[3 * k + 1], row[3 * k + 2], 0.0};
+      z_i += r_i[k] * column;
     }
-    for (int k = 0; k < 3; ++k) y[3 * i + static_cast<std::size_t>(k)] = sum[k];
+    store(z_i, z[i].at);
+    sums += r_i * z_i;
+  }
+  product = sum_of(sums);
+}
+
+template <class Registers>
+TANDEM_INLINE void turn_body(double beta, const Padded* z, Padded* p, std::size_t begin,
+                             std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    Double4 z_i;
+    Double4 p_i;
+    load(z_i, z[i].at);
+    load(p_i, p[i].at);
+    p_i = z_i + beta * p_i;
+    store(p_i, p[i].at);
   }
 }
 
-TANDEM_VECTOR_FUNCTION(multiply_columns, multiply_body,
-                       (const BlockPattern& pattern, const double* columns, const double* x,
-                        double* y),
-                       (pattern, columns, x, y))
+template <class Registers>
+TANDEM_INLINE void dot_body(const Padded* a, const Padded* b, std::size_t begin, std::size_t end,
+                            double& product) {
+  Double4 sums{};
+  for (std::size_t i = begin; i < end; ++i) {
+    Double4 a_i;
+    Double4 b_i;
+    load(a_i, a[i].at);
+    load(b_i, b[i].at);
+    sums += a_i * b_i;
+  }
+  product = sum_of(sums);
+}
+
+template <class Registers>
+TANDEM_INLINE void step_body(double alpha, const Padded* p, const Padded* Ap, Padded* x, Padded* r,
+                             std::size_t begin, std::size_t end, double& square) {
+  Double4 sums{};
+  for (std::size_t i = begin; i < end; ++i) {
+    Double4 p_i;
+    Double4 Ap_i;
+    Double4 x_i;
+    Double4 r_i;
+    load(p_i, p[i].at);
+    load(Ap_i, Ap[i].at);
+    load(x_i, x[i].at);
+    load(r_i, r[i].at);
+    x_i += alpha * p_i;
+    r_i -= alpha * Ap_i;
+    store(x_i, x[i].at);
+    store(r_i, r[i].at);
+    sums += r_i * r_i;
+  }
+  square = sum_of(sums);
+}
+
+TANDEM_VECTOR_FUNCTION(jacobi, jacobi_body,
+                       (const double* inverse, const Padded* r, Padded* z, std::size_t begin,
+                        std::size_t end, double& product),
+                       (inverse, r, z, begin, end, product))
+TANDEM_VECTOR_FUNCTION(turn, turn_body,
+                       (double beta, const Padded* z, Padded* p, std::size_t begin,
+                        std::size_t end),
+                       (beta, z, p, begin, end))
+TANDEM_VECTOR_FUNCTION(dot, dot_body,
+                       (const Padded* a, const Padded* b, std::size_t begin, std::size_t end,
+                        double& product),
+                       (a, b, begin, end, product))
+TANDEM_VECTOR_FUNCTION(move, step_body,
+                       (double alpha, const Padded* p, const Padded* Ap, Padded* x, Padded* r,
+                        std::size_t begin, std::size_t end, double& square),
+                       (alpha, p, Ap, x, r, begin, end, square))
 
 }  // namespace
 
 PcgSolver::PcgSolver(const SolverParams& params, const BlockPattern& pattern,
-                     const RestFactor* rest)
-    : params_(params), pattern_(pattern), rest_(rest) {
+                     const RestFactor* rest, ThreadTeam* team)
+    : params_(params),
+      pattern_(pattern),
+      rest_(rest),
+      team_(team != nullptr ? *team : alone_) {
   if (rest_ == nullptr) params_.preconditioner = PreconditionerKind::BlockJacobi;
 }
 
 SolveReport PcgSolver::factorize(const BlockValues& A,
-                                 const std::vector<Eigen::Matrix3d>& rotations) {
-  columns_.resize(A.size() + 1);
-  for (std::size_t b = 0; b < A.size(); b += 9) {
-    for (std::size_t k = 0; k < 9; ++k) columns_[b + 3 * (k % 3) + k / 3] = A[b + k];
-  }
+                                 const std::vector<NodeRotation>& rotations) {
+  A_ = &A;
   rotations_.clear();
   if (params_.preconditioner == PreconditionerKind::BlockJacobi) return invert_diagonal(A);
   if (params_.preconditioner == PreconditionerKind::WarpedRestFactor) rotations_ = rotations;
@@ -69,16 +137,19 @@ SolveReport PcgSolver::invert_diagonal(const BlockValues& A) {
       return {.outcome = Outcome::Failed,
               .message = "the step matrix is not positive definite. Halve fem.micro_step_s."};
     }
-    block(inverse_diagonal_, i) = llt.solve(Eigen::Matrix3d::Identity());
+    const Eigen::Matrix3d inverse = llt.solve(Eigen::Matrix3d::Identity());
+    block(inverse_diagonal_, i) = 0.5 * (inverse + inverse.transpose());
   }
   return {};
 }
 
 SolveReport PcgSolver::solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) {
   SolveReport total;
+  Eigen::VectorXd x;
   for (Eigen::Index column = 0; column < r.cols(); ++column) {
-    Eigen::VectorXd x = r.col(column);
-    const SolveReport report = solve_column(x, b_norms(column));
+    pad(r.col(column), r_);
+    const SolveReport report = solve_column(b_norms(column));
+    unpad(x_, x);
     r.col(column) = x;
     total.iterations += report.iterations;
     if (report.outcome > total.outcome) {
@@ -89,33 +160,28 @@ SolveReport PcgSolver::solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms)
   return total;
 }
 
-SolveReport PcgSolver::solve_column(Eigen::VectorXd& r, double b_norm) {
+SolveReport PcgSolver::solve_column(double b_norm) {
   const double limit = params_.tolerance * b_norm;
-  double residual = r.norm();
-  x_.setZero(r.size());
+  x_.assign(r_.size(), Padded{});
+  z_.resize(r_.size());
+  Ap_.resize(r_.size());
+  p_.assign(r_.size(), Padded{});
+  double residual = std::sqrt(sum_groups([&](std::size_t begin, std::size_t end, double& sum) {
+    dot(r_.data(), r_.data(), begin, end, sum);
+  }));
   SolveReport report;
   double rz = 0.0;
   while (residual > limit && report.iterations < params_.max_iterations) {
-    precondition(r);
-    const double rz_next = r.dot(z_);
-    if (report.iterations == 0) {
-      p_ = z_;
-    } else {
-      p_ = z_ + (rz_next / rz) * p_;
-    }
+    const double rz_next = precondition(residual);
+    turn_direction(report.iterations == 0 ? 0.0 : rz_next / rz);
     rz = rz_next;
-    Ap_.resize(r.size());
-    multiply_columns(pattern_, columns_.data(), p_.data(), Ap_.data());
-    const double curvature = p_.dot(Ap_);
+    const double curvature = multiply_direction();
     if (!(curvature > 0.0)) {
       return {.outcome = Outcome::Failed,
               .message = "the step matrix is not positive definite. Halve fem.micro_step_s.",
               .iterations = report.iterations};
     }
-    const double alpha = rz / curvature;
-    x_ += alpha * p_;
-    r -= alpha * Ap_;
-    residual = r.norm();
+    residual = step(rz / curvature);
     ++report.iterations;
   }
   if (!(residual <= limit)) {
@@ -124,28 +190,44 @@ SolveReport PcgSolver::solve_column(Eigen::VectorXd& r, double b_norm) {
                           limit, report.iterations) +
                      "Raise fem.solver.max_iterations or use fem.solver.kind: cholmod.";
   }
-  r = x_;
   return report;
 }
 
-void PcgSolver::precondition(const Eigen::VectorXd& r) {
-  z_.resize(r.size());
-  if (params_.preconditioner == PreconditionerKind::BlockJacobi) {
-    for (int i = 0; i < pattern_.rows(); ++i) {
-      z_.segment<3>(3 * i) = block(inverse_diagonal_, i) * r.segment<3>(3 * i);
-    }
-    return;
+template <class Work>
+double PcgSolver::sum_groups(const Work& work) {
+  sums_.resize((r_.size() + kGroup - 1) / kGroup);
+  team_.run_ranges(r_.size(), kGroup, [&](std::size_t begin, std::size_t end) {
+    work(begin, end, sums_[begin / kGroup]);
+  });
+  return std::accumulate(sums_.begin(), sums_.end(), 0.0);
+}
+
+double PcgSolver::precondition(double residual) {
+  if (params_.preconditioner != PreconditionerKind::BlockJacobi) {
+    return rest_->solve(r_, residual, rotations_, z_, scratch_, team_);
   }
-  if (rotations_.empty()) return rest_->solve(r, z_, scratch_);
-  turned_.resize(r.size());
-  for (int i = 0; i < pattern_.rows(); ++i) {
-    turned_.segment<3>(3 * i) =
-        rotations_[static_cast<std::size_t>(i)].transpose() * r.segment<3>(3 * i);
-  }
-  rest_->solve(turned_, z_, scratch_);
-  for (int i = 0; i < pattern_.rows(); ++i) {
-    z_.segment<3>(3 * i) = rotations_[static_cast<std::size_t>(i)] * z_.segment<3>(3 * i).eval();
-  }
+  return sum_groups([&](std::size_t begin, std::size_t end, double& sum) {
+    jacobi(inverse_diagonal_.data(), r_.data(), z_.data(), begin, end, sum);
+  });
+}
+
+void PcgSolver::turn_direction(double beta) {
+  team_.run_ranges(r_.size(), kGroup, [&](std::size_t begin, std::size_t end) {
+    turn(beta, z_.data(), p_.data(), begin, end);
+  });
+}
+
+double PcgSolver::multiply_direction() {
+  return sum_groups([&](std::size_t begin, std::size_t end, double& sum) {
+    multiply_rows(pattern_, *A_, p_.data(), Ap_.data(), begin, end);
+    dot(p_.data(), Ap_.data(), begin, end, sum);
+  });
+}
+
+double PcgSolver::step(double alpha) {
+  return std::sqrt(sum_groups([&](std::size_t begin, std::size_t end, double& sum) {
+    move(alpha, p_.data(), Ap_.data(), x_.data(), r_.data(), begin, end, sum);
+  }));
 }
 
 }  // namespace tandem::fem

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
 
 #include "fem_process/polar.h"
@@ -9,21 +7,18 @@
 
 namespace tandem::fem {
 
-/// Four numbers side by side: one per element or node.
-constexpr int kLanes = 4;
-using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+/// So many numbers side by side: one per element or node.
+constexpr int kLanes = 8;
 
 /// A 3 × 3 matrix per lane, row by row.
+template <class Lanes>
 struct LaneMatrix {
   Lanes at[9];
 };
 
-TANDEM_INLINE void load(Lanes& lanes, const double* from) {
-  std::memcpy(&lanes, from, sizeof lanes);
-}
-
 /// R⁻ᵀ det R.
-TANDEM_INLINE void cofactor(const LaneMatrix& R, LaneMatrix& c) {
+template <class Lanes>
+TANDEM_INLINE void cofactor(const LaneMatrix<Lanes>& R, LaneMatrix<Lanes>& c) {
   const Lanes* a = R.at;
   for (int i = 0; i < 3; ++i) {
     const int p = 3 * ((i + 1) % 3);
@@ -36,46 +31,99 @@ TANDEM_INLINE void cofactor(const LaneMatrix& R, LaneMatrix& c) {
   }
 }
 
+/// Whether all lanes are above zero. (NaN is not.)
+template <class Lanes>
+TANDEM_INLINE bool all_positive(const Lanes& lanes) {
+  double numbers[kLanes];
+  store(lanes, numbers);
+  int positive = 0;
+  for (const double number : numbers) positive += number > 0.0 ? 1 : 0;
+  return positive == kLanes;
+}
+
+/// What Newton's iteration is not to be trusted with: lanes with det F near or below zero, or that
+/// have not converged. `det` and `margin` are positive in the others.
+template <class Lanes>
+struct Trust {
+  Lanes det;     ///< det F
+  Lanes margin;  ///< det² F − ε² ‖F‖⁶
+};
+
+/// Starts untrusted lanes from I, so that they converge with the others.
+template <class Lanes>
+void replace_untrusted(const Trust<Lanes>& trust, LaneMatrix<Lanes>& R) {
+  double trusted[2][kLanes];
+  double entries[9][kLanes];
+  std::memcpy(trusted, &trust, sizeof trusted);
+  std::memcpy(entries, &R, sizeof entries);
+  for (int n = 0; n < kLanes; ++n) {
+    if (trusted[0][n] > 0.0 && trusted[1][n] > 0.0) continue;
+    for (int k = 0; k < 9; ++k) entries[k][n] = k % 4 == 0 ? 1.0 : 0.0;
+  }
+  std::memcpy(&R, entries, sizeof entries);
+}
+
+/// Gives untrusted lanes, and those that have not converged, polar_rotation(F). Returns bit n for
+/// an inverted lane n.
+template <class Lanes>
+int repair_untrusted(const LaneMatrix<Lanes>& F, const Trust<Lanes>& trust, const Lanes& converged,
+                     LaneMatrix<Lanes>& R) {
+  double trusted[2][kLanes];
+  double done[kLanes];
+  double in[9][kLanes];
+  double out[9][kLanes];
+  std::memcpy(trusted, &trust, sizeof trusted);
+  std::memcpy(done, &converged, sizeof done);
+  std::memcpy(in, &F, sizeof in);
+  std::memcpy(out, &R, sizeof out);
+  int inverted = 0;
+  for (int n = 0; n < kLanes; ++n) {
+    if (trusted[0][n] > 0.0 && trusted[1][n] > 0.0 && done[n] > 0.0) continue;
+    Eigen::Matrix3d lane;
+    for (int k = 0; k < 9; ++k) lane(k / 3, k % 3) = in[k][n];
+    const PolarRotation polar = polar_rotation(lane);
+    for (int k = 0; k < 9; ++k) out[k][n] = polar.R(k / 3, k % 3);
+    inverted |= (polar.inverted ? 1 : 0) << n;
+  }
+  std::memcpy(&R, out, sizeof out);
+  return inverted;
+}
+
 /// R = polar(F) per lane, by Newton's iteration R ← ½ (R + R⁻ᵀ) [Higham 1986]. Lanes with det F
 /// near or below zero, or that do not converge, take polar_rotation(). Returns bit n for an
 /// inverted lane n. Lanes are independent but for the number of iterations, which is that of the
 /// slowest.
-TANDEM_INLINE int polar_lanes(const LaneMatrix& F, LaneMatrix& R) {
-  LaneMatrix c;
+template <class Lanes>
+TANDEM_INLINE int polar_lanes(const LaneMatrix<Lanes>& F, LaneMatrix<Lanes>& R) {
+  LaneMatrix<Lanes> c;
   cofactor(F, c);
-  const Lanes det = F.at[0] * c.at[0] + F.at[1] * c.at[1] + F.at[2] * c.at[2];
   Lanes square{};
   for (const Lanes& entry : F.at) square += entry * entry;
+  Trust<Lanes> trust;
+  trust.det = F.at[0] * c.at[0] + F.at[1] * c.at[1] + F.at[2] * c.at[2];
+  // Squares compared: no root.
+  constexpr double kFraction = kSingularFraction * kSingularFraction;
+  trust.margin = trust.det * trust.det - kFraction * (square * square * square);
+  const bool trusted = all_positive(trust.det) && all_positive(trust.margin);
   R = F;
-  bool hard[kLanes];
-  for (int n = 0; n < kLanes; ++n) {
-    hard[n] = !(det[n] > kSingularFraction * square[n] * std::sqrt(square[n]));
-    for (int k = 0; hard[n] && k < 9; ++k) R.at[k][n] = k % 4 == 0 ? 1.0 : 0.0;
-  }
-  // Quadratic convergence: a step below 3e-9 ends within 1e-17 of the limit.
-  constexpr double kConverged = 1e-17;
-  Lanes change{};
-  for (int step = 0; step < 12; ++step) {
+  if (!trusted) replace_untrusted(trust, R);
+  Lanes converged{};
+  bool done = false;
+  for (int step = 0; step < 12 && !done; ++step) {
     cofactor(R, c);
     const Lanes factor = 0.5 / (R.at[0] * c.at[0] + R.at[1] * c.at[1] + R.at[2] * c.at[2]);
-    change = Lanes{};
+    Lanes change{};
     for (int k = 0; k < 9; ++k) {
       const Lanes next = 0.5 * R.at[k] + factor * c.at[k];
-      change += (next - R.at[k]) * (next - R.at[k]);
+      const Lanes difference = next - R.at[k];
+      change += difference * difference;
       R.at[k] = next;
     }
-    if (std::max({change[0], change[1], change[2], change[3]}) < kConverged) break;
+    // Quadratic convergence: a step below 3e-9 ends within 1e-17 of the limit.
+    converged = -(change - 1e-17);
+    done = all_positive(converged);
   }
-  int inverted = 0;
-  for (int n = 0; n < kLanes; ++n) {
-    if (!hard[n] && change[n] < kConverged) continue;
-    Eigen::Matrix3d lane;
-    for (int k = 0; k < 9; ++k) lane(k / 3, k % 3) = F.at[k][n];
-    const PolarRotation polar = polar_rotation(lane);
-    for (int k = 0; k < 9; ++k) R.at[k][n] = polar.R(k / 3, k % 3);
-    inverted |= (polar.inverted ? 1 : 0) << n;
-  }
-  return inverted;
+  return trusted && done ? 0 : repair_untrusted(F, trust, converged, R);
 }
 
 }  // namespace tandem::fem

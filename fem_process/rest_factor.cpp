@@ -2,82 +2,108 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cstring>
+#include <cmath>
+#include <numeric>
 
-#include "fem_process/cholmod_solver.h"
-#include "fem_process/simd.h"
+#include "fem_process/elimination_parts.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
 namespace {
 
-constexpr int kLanes = 8;
-using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+/// What a thread takes of a panel of the top at a time; smaller panels are not worth a division.
+constexpr int kTilesAtOnce = 8;
+constexpr int kEntriesWorthSharing = 16384;
 
-TANDEM_INLINE void load(Lanes& lanes, const float* from) {
-  std::memcpy(&lanes, from, sizeof lanes);
-}
-TANDEM_INLINE void store(const Lanes& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
+using Float4 = float __attribute__((vector_size(16)));
 
-/// out = P x, P by columns `padded` apart, N vectors of rows at a time.
-template <int N>
-TANDEM_INLINE void multiply_rows(const float* P, int padded, int columns, const float* x,
-                                 float* out) {
-  Lanes sum[N] = {};
-  for (int k = 0; k < columns; ++k) {
-    for (int n = 0; n < N; ++n) {
-      Lanes a;
-      load(a, P + static_cast<std::ptrdiff_t>(k) * padded + n * kLanes);
-      sum[n] += a * x[k];
+/// y = d Wᵀ r of the part's nodes, three numbers each; the fourth is overwritten by the next node.
+template <class Registers>
+TANDEM_INLINE void load_body(const int* nodes, std::size_t count, const Padded* r,
+                             const double* inverse_root, double scale,
+                             const NodeRotation* rotations, float* y) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const int node = nodes[k];
+    const double d = scale * inverse_root[node];
+    Float4 sum{};
+    for (int a = 0; a < 3; ++a) {
+      Float4 row{};
+      if (rotations != nullptr) {
+        load(row, rotations[node].row[a]);
+      } else {
+        row[a] = 1.0F;
+      }
+      sum += static_cast<float>(d * r[node].at[a]) * row;
     }
+    for (int a = 0; a < 3; ++a) y[3 * k + static_cast<std::size_t>(a)] = sum[a];
   }
-  for (int n = 0; n < N; ++n) store(sum[n], out + n * kLanes);
 }
 
-TANDEM_INLINE void multiply_body(const float* P, int padded, int columns, const float* x,
-                                 float* out) {
-  int i = 0;
-  for (; i + 4 * kLanes <= padded; i += 4 * kLanes)
-    multiply_rows<4>(P + i, padded, columns, x, out + i);
-  for (; i < padded; i += kLanes) multiply_rows<1>(P + i, padded, columns, x, out + i);
-}
-
-/// N entries of Pᵀ x: lane sums, then across the lanes in fixed order.
-template <int N>
-TANDEM_INLINE void multiply_columns(const float* P, int padded, const float* x, float* out) {
-  Lanes sum[N] = {};
-  for (int i = 0; i < padded; i += kLanes) {
-    Lanes b;
-    load(b, x + i);
-    for (int n = 0; n < N; ++n) {
-      Lanes a;
-      load(a, P + static_cast<std::ptrdiff_t>(n) * padded + i);
-      sum[n] += a * b;
+/// z = d W y, and the sum of r · z.
+template <class Registers>
+TANDEM_INLINE void store_body(const int* nodes, std::size_t count, const Padded* r,
+                              const double* inverse_root, double size,
+                              const NodeRotation* rotations, const float* y, Padded* z,
+                              double& product) {
+  Double4 sums{};
+  for (std::size_t k = 0; k < count; ++k) {
+    const int node = nodes[k];
+    const double d = size * inverse_root[node];
+    Float4 sum{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      Float4 column{};
+      if (rotations != nullptr) {
+        load(column, rotations[node].column[a]);
+      } else {
+        column[a] = 1.0F;
+      }
+      sum += y[3 * k + a] * column;
     }
+    const Double4 z_i = d * __builtin_convertvector(sum, Double4);
+    Double4 r_i;
+    load(r_i, r[node].at);
+    store(z_i, z[node].at);
+    sums += r_i * z_i;
   }
-  for (int n = 0; n < N; ++n) {
-    const Lanes& s = sum[n];
-    out[n] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
-  }
+  product = (sums[0] + sums[1]) + sums[2];
 }
 
-TANDEM_INLINE void multiply_transposed_body(const float* P, int padded, int columns, const float* x,
-                                            float* out) {
-  int k = 0;
-  for (; k + 4 <= columns; k += 4) {
-    multiply_columns<4>(P + static_cast<std::ptrdiff_t>(k) * padded, padded, x, out + k);
+TANDEM_VECTOR_FUNCTION(load_all, load_body,
+                       (const int* nodes, std::size_t count, const Padded* r,
+                        const double* inverse_root, double scale, const NodeRotation* rotations,
+                        float* y),
+                       (nodes, count, r, inverse_root, scale, rotations, y))
+TANDEM_VECTOR_FUNCTION(store_all, store_body,
+                       (const int* nodes, std::size_t count, const Padded* r,
+                        const double* inverse_root, double size, const NodeRotation* rotations,
+                        const float* y, Padded* z, double& product),
+                       (nodes, count, r, inverse_root, size, rotations, y, z, product))
+
+/// [L₁₁⁻¹; −L₂₁ L₁₁⁻¹] of the factor of D A₀ D, D = diag(1/root).
+Eigen::MatrixXd panel_of(const SupernodalFactor& factor, std::size_t s,
+                         const std::vector<double>& root) {
+  const Eigen::Index columns = factor.first_column[s + 1] - factor.first_column[s];
+  const Eigen::Index rows = factor.row_start[s + 1] - factor.row_start[s];
+  const Eigen::Index below = rows - columns;
+  Eigen::MatrixXd L = Eigen::Map<const Eigen::MatrixXd>(
+      factor.value.data() + factor.value_start[s], rows, columns);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const int row = factor.row[static_cast<std::size_t>(factor.row_start[s] + i)];
+    const int of = factor.permutation[static_cast<std::size_t>(row)];
+    L.row(i) /= root[static_cast<std::size_t>(of) / 3];
   }
-  for (; k < columns; ++k) {
-    multiply_columns<1>(P + static_cast<std::ptrdiff_t>(k) * padded, padded, x, out + k);
-  }
+  Eigen::MatrixXd P(rows, columns);
+  P.topRows(columns) =
+      L.topRows(columns).triangularView<Eigen::Lower>().solve(
+          Eigen::MatrixXd::Identity(columns, columns));
+  P.bottomRows(below).noalias() = -L.bottomRows(below) * P.topRows(columns);
+  return P;
 }
 
-TANDEM_VECTOR_FUNCTION(multiply, multiply_body,
-                       (const float* P, int padded, int columns, const float* x, float* out),
-                       (P, padded, columns, x, out))
-TANDEM_VECTOR_FUNCTION(multiply_transposed, multiply_transposed_body,
-                       (const float* P, int padded, int columns, const float* x, float* out),
-                       (P, padded, columns, x, out))
+/// Up to whole tiles.
+int whole_tiles(int count) {
+  return (count + FactorPanels::kTile - 1) / FactorPanels::kTile * FactorPanels::kTile;
+}
 
 }  // namespace
 
@@ -87,70 +113,162 @@ RestFactor::RestFactor(const BlockPattern& pattern, const BlockValues& A) {
   require(report.outcome == Outcome::Done,
           "fem: the preconditioner rest_factor: at the reference positions " + report.message);
   const SupernodalFactor factor = solver.factor();
-  permutation_ = factor.permutation;
-  row_ = factor.row;
-  for (int s = 0; s < factor.supernodes(); ++s) add_panel(factor, s);
-}
-
-void RestFactor::add_panel(const SupernodalFactor& factor, int s) {
-  const auto at = static_cast<std::size_t>(s);
-  Panel panel;
-  panel.first_column = factor.first_column[at];
-  panel.columns = factor.first_column[at + 1] - panel.first_column;
-  panel.rows = factor.row_start[at + 1] - factor.row_start[at];
-  panel.padded = (panel.rows + kLanes - 1) / kLanes * kLanes;
-  panel.row_start = factor.row_start[at] + panel.columns;
-  panel.value = value_.size();
-  const Eigen::Map<const Eigen::MatrixXd> L(factor.value.data() + factor.value_start[at],
-                                            panel.rows, panel.columns);
-  Eigen::MatrixXd P = Eigen::MatrixXd::Zero(panel.padded, panel.columns);
-  P.topRows(panel.columns) = L.topRows(panel.columns)
-                                 .triangularView<Eigen::Lower>()
-                                 .solve(Eigen::MatrixXd::Identity(panel.columns, panel.columns));
-  const int below = panel.rows - panel.columns;
-  P.middleRows(panel.columns, below).noalias() = -L.bottomRows(below) * P.topRows(panel.columns);
-  value_.resize(panel.value + static_cast<std::size_t>(P.size()));
-  Eigen::Map<Eigen::MatrixXf>(value_.data() + panel.value, P.rows(), P.cols()) = P.cast<float>();
-  most_rows_ = std::max(most_rows_, panel.padded);
-  panels_.push_back(panel);
-}
-
-/// y ← L⁻ᵀ L⁻¹ y. The rows below a supernode's columns, which its product changes (forwards) or
-/// needs (backwards), are gathered beside the columns.
-void RestFactor::run(Scratch& scratch) const {
-  float* y = scratch.y.data();
-  float* rows = scratch.rows.data();
-  for (const Panel& panel : panels_) {
-    multiply(value_.data() + panel.value, panel.padded, panel.columns, y + panel.first_column,
-             rows);
-    std::copy(rows, rows + panel.columns, y + panel.first_column);
-    const int* row = row_.data() + panel.row_start;
-    for (int i = panel.columns; i < panel.rows; ++i) y[row[i - panel.columns]] += rows[i];
+  std::vector<double> root;
+  for (int i = 0; i < pattern.rows(); ++i) {
+    root.push_back(std::sqrt(block(A, pattern.find(i, i)).trace() / 3.0));
+    inverse_root_.push_back(1.0 / root.back());
   }
-  for (auto panel = panels_.rbegin(); panel != panels_.rend(); ++panel) {
-    const int* row = row_.data() + panel->row_start;
-    std::copy(y + panel->first_column, y + panel->first_column + panel->columns, rows);
-    for (int i = panel->columns; i < panel->rows; ++i) rows[i] = y[row[i - panel->columns]];
-    std::fill(rows + panel->rows, rows + panel->padded, 0.0F);
-    multiply_transposed(value_.data() + panel->value, panel->padded, panel->columns, rows,
-                        y + panel->first_column);
+  const EliminationParts cut_parts = cut(factor);
+  std::vector<int> position(factor.permutation.size(), -1);
+  place(factor, cut_parts.top, position, top_);
+  top_size_ = size_;
+  add_panels(factor, cut_parts.top, root, position, top_);
+  for (const std::vector<int>& supernodes : cut_parts.parts) {
+    Part& part = parts_.emplace_back();
+    place(factor, supernodes, position, part);
+    add_panels(factor, supernodes, root, position, part);
   }
 }
 
-void RestFactor::solve(const Eigen::VectorXd& r, Eigen::VectorXd& z, Scratch& scratch) const {
-  const auto n = permutation_.size();
-  scratch.y.resize(n);
-  scratch.rows.resize(static_cast<std::size_t>(most_rows_));
-  // Scaled, so that small residuals do not underflow.
-  const double size = r.norm();
-  const double scale = size > 0.0 ? 1.0 / size : 1.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    scratch.y[i] = static_cast<float>(scale * r[permutation_[i]]);
+/// Gives the columns of the supernodes their positions.
+void RestFactor::place(const SupernodalFactor& factor, const std::vector<int>& supernodes,
+                       std::vector<int>& position, Part& part) {
+  part.first = size_;
+  for (int s : supernodes) {
+    const auto at = static_cast<std::size_t>(s);
+    for (int column = factor.first_column[at]; column < factor.first_column[at + 1]; ++column) {
+      const auto c = static_cast<std::size_t>(column);
+      position[c] = size_++;
+      if (factor.permutation[c] % 3 == 0) part.nodes.push_back(factor.permutation[c] / 3);
+    }
   }
-  run(scratch);
-  for (std::size_t i = 0; i < n; ++i) {
-    z[permutation_[i]] = size * static_cast<double>(scratch.y[i]);
+  require(size_ - part.first == 3 * static_cast<int>(part.nodes.size()),
+          "fem: the preconditioner rest_factor needs the unknowns of a node side by side.");
+}
+
+void RestFactor::add_panels(const SupernodalFactor& factor, const std::vector<int>& supernodes,
+                            const std::vector<double>& root, const std::vector<int>& position,
+                            Part& part) {
+  std::vector<int> sum_of(static_cast<std::size_t>(top_size_), -1);  // of a position in the top
+  for (int s : supernodes) {
+    const auto at = static_cast<std::size_t>(s);
+    Supernode& supernode = part.supernodes.emplace_back();
+    supernode.panel = panels_.add(panel_of(factor, at, root));
+    supernode.first = position[static_cast<std::size_t>(factor.first_column[at])];
+    supernode.below = row_.size();
+    most_columns_ = std::max(most_columns_, supernode.panel.columns + 1);
+    most_rows_ = std::max(most_rows_, whole_tiles(supernode.panel.rows));
+    const int first_below = factor.row_start[at] + supernode.panel.columns;
+    for (int k = first_below; k < factor.row_start[at + 1]; ++k) {
+      const int place = position[static_cast<std::size_t>(factor.row[static_cast<std::size_t>(k)])];
+      if (&part == &top_ || place >= top_size_) {
+        row_.push_back(place);
+        continue;
+      }
+      int& sum = sum_of[static_cast<std::size_t>(place)];
+      if (sum < 0) {
+        sum = size_++;
+        part.above.push_back(place);
+      }
+      row_.push_back(sum);
+    }
   }
+}
+
+void RestFactor::forward(const Supernode& supernode, const float* scaled, int begin, int end,
+                         float* y, float* rows) const {
+  const FactorPanels::Panel& panel = supernode.panel;
+  panels_.multiply(panel, scaled, begin, end, rows);
+  const int last = std::min(end * FactorPanels::kTile, panel.rows);
+  int i = begin * FactorPanels::kTile;
+  for (; i < last && i < panel.columns; ++i) y[supernode.first + i] = rows[i];
+  const int* position = row_.data() + supernode.below;
+  for (; i < last; ++i) y[position[i - panel.columns]] += rows[i];
+}
+
+void RestFactor::gather_rows(const Supernode& supernode, const float* y, float* rows) const {
+  const FactorPanels::Panel& panel = supernode.panel;
+  std::copy(y + supernode.first, y + supernode.first + panel.columns, rows);
+  const int* position = row_.data() + supernode.below;
+  for (int i = panel.columns; i < panel.rows; ++i) rows[i] = y[position[i - panel.columns]];
+  std::fill(rows + panel.rows, rows + whole_tiles(panel.rows), 0.0F);
+}
+
+void RestFactor::solve_top(float* y, float* columns, float* rows, ThreadTeam& team) const {
+  const auto divided = [](const FactorPanels::Panel& panel, int count, int grain) {
+    return panel.columns * panel.rows < kEntriesWorthSharing ? 1 : (count + grain - 1) / grain;
+  };
+  for (const Supernode& supernode : top_.supernodes) {
+    const FactorPanels::Panel& panel = supernode.panel;
+    panels_.scale(panel, y + supernode.first, columns);
+    const int pieces = divided(panel, panel.tiles(), kTilesAtOnce);
+    team.run(pieces, [&](int k) {
+      forward(supernode, columns, k * kTilesAtOnce,
+              k + 1 == pieces ? panel.tiles() : (k + 1) * kTilesAtOnce, y, rows);
+    });
+  }
+  for (auto at = top_.supernodes.rbegin(); at != top_.supernodes.rend(); ++at) {
+    const FactorPanels::Panel& panel = at->panel;
+    gather_rows(*at, y, rows);
+    const int pieces = divided(panel, panel.pairs(), FactorPanels::kPairs);
+    team.run(pieces, [&](int k) {
+      panels_.multiply_transposed(panel, rows, k * FactorPanels::kPairs,
+                                  k + 1 == pieces ? panel.pairs() : (k + 1) * FactorPanels::kPairs,
+                                  y + at->first);
+    });
+  }
+}
+
+double RestFactor::solve(const std::vector<Padded>& r, double r_norm,
+                         const std::vector<NodeRotation>& rotations, std::vector<Padded>& z,
+                         Scratch& scratch, ThreadTeam& team) const {
+  const int parts = static_cast<int>(parts_.size());
+  const int work_size = whole_tiles(most_columns_) + most_rows_;
+  scratch.y.resize(static_cast<std::size_t>(size_));
+  scratch.work.resize(static_cast<std::size_t>(work_size) * static_cast<std::size_t>(parts + 1));
+  scratch.products.resize(static_cast<std::size_t>(parts) + 1);
+  float* const y = scratch.y.data();
+  const NodeRotation* const turned = rotations.empty() ? nullptr : rotations.data();
+  const double size = r_norm > 0.0 ? r_norm : 1.0;
+  const auto columns_of = [&](int k) { return scratch.work.data() + k * work_size; };
+  const auto rows_of = [&](int k) { return columns_of(k) + whole_tiles(most_columns_); };
+  const auto enter = [&](const Part& part) {
+    load_all(part.nodes.data(), part.nodes.size(), r.data(), inverse_root_.data(), 1.0 / size,
+             turned, y + part.first);
+  };
+  const auto leave = [&](const Part& part, double& product) {
+    store_all(part.nodes.data(), part.nodes.size(), r.data(), inverse_root_.data(), size, turned,
+              y + part.first, z.data(), product);
+  };
+
+  team.run(parts, [&](int k) {
+    const Part& part = parts_[static_cast<std::size_t>(k)];
+    enter(part);
+    float* const sums = y + part.first + 3 * part.nodes.size();
+    std::fill(sums, sums + part.above.size(), 0.0F);
+    for (const Supernode& supernode : part.supernodes) {
+      panels_.scale(supernode.panel, y + supernode.first, columns_of(k));
+      forward(supernode, columns_of(k), 0, supernode.panel.tiles(), y, rows_of(k));
+    }
+  });
+  enter(top_);
+  for (const Part& part : parts_) {
+    const float* const sums = y + part.first + 3 * part.nodes.size();
+    for (std::size_t i = 0; i < part.above.size(); ++i) y[part.above[i]] += sums[i];
+  }
+  solve_top(y, columns_of(parts), rows_of(parts), team);
+  team.run(parts, [&](int k) {
+    const Part& part = parts_[static_cast<std::size_t>(k)];
+    float* const sums = y + part.first + 3 * part.nodes.size();
+    for (std::size_t i = 0; i < part.above.size(); ++i) sums[i] = y[part.above[i]];
+    for (auto at = part.supernodes.rbegin(); at != part.supernodes.rend(); ++at) {
+      gather_rows(*at, y, rows_of(k));
+      panels_.multiply_transposed(at->panel, rows_of(k), 0, at->panel.pairs(), y + at->first);
+    }
+    leave(part, scratch.products[static_cast<std::size_t>(k)]);
+  });
+  leave(top_, scratch.products.back());
+  return std::accumulate(scratch.products.begin(), scratch.products.end(), 0.0);
 }
 
 }  // namespace tandem::fem

@@ -5,58 +5,74 @@
 #include <vector>
 
 #include "fem_process/block_matrix.h"
-#include "fem_process/linear_solver.h"
+#include "fem_process/cholmod_solver.h"
+#include "fem_process/factor_panels.h"
+#include "fem_process/node_rotations.h"
+#include "fem_process/simd.h"
+#include "fem_process/thread_team.h"
 
 namespace tandem::fem {
 
-/// A supernodal Cholesky factor P A Pᵀ = L Lᵀ. Supernode s has the columns first_column[s] …
-/// first_column[s + 1] − 1; their common rows are row[row_start[s] …], the columns themselves
-/// first. Values by columns, as many rows apart as the supernode has.
-struct SupernodalFactor {
-  std::vector<int> permutation;  ///< row of A for each row of P A Pᵀ
-  std::vector<int> first_column;
-  std::vector<int> row_start;
-  std::vector<int> row;
-  std::vector<int> value_start;
-  std::vector<double> value;
-  [[nodiscard]] int supernodes() const { return static_cast<int>(first_column.size()) - 1; }
-};
-
-/// Cholesky factor of a step matrix at the reference positions, as a preconditioner: made once,
-/// held in single precision, since a preconditioner need not be exact. Per supernode one dense
-/// panel
+/// Cholesky factor A₀ = L Lᵀ of a step matrix at the reference positions, as a preconditioner: made
+/// once and held in 16 bits per entry, since a preconditioner need not be exact. Per supernode one
+/// dense panel
 ///   [L₁₁⁻¹; −L₂₁ L₁₁⁻¹]
 /// serves both triangular solves as a product [Alvarado & Schreiber 1993; Courtecuisse et al.
-/// 2010]. The same bits on every processor: vectors of fixed length, no fused multiply-add.
+/// 2010]; A₀ is scaled to a unit diagonal first. Subtrees of the elimination tree are solved side
+/// by side, each with sums of its own for the rows above it, which are added up in the order of the
+/// subtrees. The same bits on every processor and for any number of threads.
 class RestFactor {
  public:
-  /// Throws a Usage error when A is not positive definite.
+  /// Throws a Usage error when A₀ is not positive definite.
   RestFactor(const BlockPattern& pattern, const BlockValues& A);
 
   /// Working memory of solve(): one per caller.
   struct Scratch {
     std::vector<float> y;
-    std::vector<float> rows;
+    std::vector<float> work;
+    std::vector<double> products;
   };
-  /// z ≈ A⁻¹ r to single precision, relative to the largest entries of r.
-  void solve(const Eigen::VectorXd& r, Eigen::VectorXd& z, Scratch& scratch) const;
+  /// z = W L⁻ᵀ L⁻¹ Wᵀ r to some 4 digits, W = diag(`rotations`) or, when they are empty, I.
+  /// `r_norm` = ‖r‖ keeps small numbers in the range of single precision. Returns r · z.
+  double solve(const std::vector<Padded>& r, double r_norm,
+               const std::vector<NodeRotation>& rotations, std::vector<Padded>& z,
+               Scratch& scratch, ThreadTeam& team) const;
+
+  [[nodiscard]] std::size_t bytes() const { return panels_.bytes() + sizeof(int) * row_.size(); }
 
  private:
-  struct Panel {
-    int first_column = 0;
-    int columns = 0;
-    int rows = 0;           ///< columns included
-    int padded = 0;         ///< rows, rounded up to whole vectors: distance of columns
-    int row_start = 0;      ///< in row_, of the rows below the columns
-    std::size_t value = 0;  ///< in value_
+  /// Positions are those in Scratch::y.
+  struct Supernode {
+    FactorPanels::Panel panel;
+    int first = 0;           ///< of its columns
+    std::size_t below = 0;   ///< in row_: positions of the rows below the columns
   };
-  void add_panel(const SupernodalFactor& factor, int s);
-  void run(Scratch& scratch) const;
+  /// Nodes that are eliminated together: their unknowns stand from `first` on, three by three,
+  /// behind them the sums for rows of the top.
+  struct Part {
+    std::vector<Supernode> supernodes;
+    std::vector<int> nodes;
+    int first = 0;
+    std::vector<int> above;  ///< positions in the top of those sums
+  };
+  void place(const SupernodalFactor& factor, const std::vector<int>& supernodes,
+             std::vector<int>& position, Part& part);
+  void add_panels(const SupernodalFactor& factor, const std::vector<int>& supernodes,
+                  const std::vector<double>& root, const std::vector<int>& position, Part& part);
+  /// The panel's tiles [begin, end) times its scaled columns, into y.
+  void forward(const Supernode& supernode, const float* scaled, int begin, int end, float* y,
+               float* rows) const;
+  void gather_rows(const Supernode& supernode, const float* y, float* rows) const;
+  void solve_top(float* y, float* columns, float* rows, ThreadTeam& team) const;
 
-  std::vector<int> permutation_;
+  std::vector<double> inverse_root_;  ///< per node, 1/√(mean of its diagonal entries of A₀)
+  FactorPanels panels_;
   std::vector<int> row_;
-  std::vector<Panel> panels_;
-  std::vector<float> value_;
+  std::vector<Part> parts_;
+  Part top_;
+  int size_ = 0;      ///< of Scratch::y
+  int top_size_ = 0;  ///< of its beginning, where the top stands
+  int most_columns_ = 0;
   int most_rows_ = 0;
 };
 

@@ -7,49 +7,11 @@
 
 #include "fem_process/node_vectors.h"
 #include "fem_process/round_off.h"
+#include "fem_process/step_matrix.h"
+#include "fem_process/velocity_projection.h"
 #include "protocol/contract/cost.h"
 
 namespace tandem::fem {
-namespace {
-
-/// S_II = m M + k K on the pattern of the free nodes.
-void combine(const Model& model, double m, const BlockValues* K, double k, BlockValues& S) {
-  S.assign(9 * model.interior.pattern.blocks(), 0.0);
-  for (std::size_t b = 0; b < model.interior.source.size(); ++b) {
-    const int source = model.interior.source[b];
-    Eigen::Map<Block> target = block(S, static_cast<int>(b));
-    if (K != nullptr) target = k * block(*K, source);
-    target.diagonal().array() += m * model.mass[static_cast<std::size_t>(source)];
-  }
-}
-
-/// S_II = ∂(M a + θ r)/∂v of a step, with the stiffness K.
-void step_matrix(const Model& model, const StepMap& map, const BlockValues& K, BlockValues& S) {
-  const Damping& damping = model.params.damping;
-  combine(model, map.c_a + map.theta * damping.alpha_per_s, &K,
-          map.theta * (damping.beta_s + map.c_x), S);
-}
-
-/// The combination v = Σ y_k v_k of the last velocities that is nearest to the solution of S v = b,
-/// in the norm of S: (v_jᵀ S v_k) y = v_jᵀ b. Velocities whose new part is
-/// round-off are left out.
-Eigen::VectorXd project(const EightVectors& past, const EightVectors& S_past,
-                        const Eigen::VectorXd& b) {
-  using Matrix8d = Eigen::Matrix<double, 8, 8>;
-  using Vector8d = Eigen::Matrix<double, 8, 1>;
-  const Matrix8d G = past * S_past.transpose();
-  Vector8d scale;
-  for (int k = 0; k < 8; ++k) scale[k] = G(k, k) > 0.0 ? 1.0 / std::sqrt(G(k, k)) : 0.0;
-  const Matrix8d scaled = scale.asDiagonal() * (0.5 * (G + G.transpose())) * scale.asDiagonal();
-  Eigen::CompleteOrthogonalDecomposition<Matrix8d> qr;
-  qr.setThreshold(1e-14);
-  qr.compute(scaled);
-  const Vector8d y = scale.asDiagonal() * qr.solve(scale.asDiagonal() * (past * b));
-  return past.transpose() * y;
-}
-
-}  // namespace
-
 TransientStep::TransientStep(const Model& model, PortArms arms)
     : model_(model),
       arms_(std::move(arms)),
@@ -67,8 +29,26 @@ std::unique_ptr<const RestFactor> TransientStep::factorize_at_rest() const {
   model_.formulation->evaluate(model_.reference(), f_int, K);
   // The map's coefficients depend on the step's length alone.
   const StepMap map = model_.integrator->map(State{}, to_seconds(model_.params.micro_step));
-  step_matrix(model_, map, K, S);
+  step_matrix(map, K, S);
   return std::make_unique<const RestFactor>(model_.interior.pattern, S);
+}
+
+/// S_II = ∂(M a + θ r)/∂v of a step, with the stiffness K.
+void TransientStep::step_matrix(const StepMap& map, const BlockValues& K, BlockValues& S) const {
+  const Damping& damping = model_.params.damping;
+  combine(model_.interior, map.c_a + map.theta * damping.alpha_per_s, model_.mass,
+          map.theta * (damping.beta_s + map.c_x), &K, S, *model_.team);
+}
+
+Eigen::VectorXd TransientStep::inertia(const Eigen::VectorXd& a, ProductPart part) const {
+  if (model_.params.mass == MassKind::Consistent) {
+    return multiply_scalar(model_.pattern(), model_.mass, a, part);
+  }
+  Eigen::VectorXd force(a.size());
+  for (Eigen::Index i = 0; i < a.size(); i += 3) {
+    force.segment<3>(i) = model_.nodal_mass[static_cast<std::size_t>(i) / 3] * a.segment<3>(i);
+  }
+  return force;
 }
 
 bool TransientStep::remembers() const {
@@ -155,7 +135,7 @@ SolveReport TransientStep::accelerate(State& state, Eigen::VectorXd& a,
   Eigen::MatrixXd rhs =
       -gather(multiply_scalar(model_.pattern(), model_.mass, a) + force, model_.free);
   BlockValues M;
-  combine(model_, 1.0, nullptr, 0.0, M);
+  combine(model_.interior, 1.0, model_.mass, 0.0, nullptr, M, *model_.team);
   const auto solver = make_solver(model_.params.solver, model_.interior.pattern);
   SolveReport report = solver->factorize(M);
   const Eigen::VectorXd norms = Eigen::VectorXd::Constant(1, rhs.norm());
@@ -233,7 +213,7 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
   StepTimes times = linearise_at_tilde(kept);
   if (remembers()) {
     const double start_s = now_s();
-    kept.S_past = multiply_eight(model_.interior.pattern, kept.S, begin.past);
+    multiply_eight(model_.interior.pattern, kept.S, begin.past, kept.S_past, *model_.team);
     times.factorize_s += now_s() - start_s;
   }
   return times;
@@ -244,15 +224,17 @@ StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
   const double start_s = now_s();
   kept.inverted_elements = model_.formulation->evaluate(kept.map.x_tilde, kept.f_int, kept.K);
   const double middle_s = now_s();
-  step_matrix(model_, kept.map, kept.K, kept.S);
+  step_matrix(kept.map, kept.K, kept.S);
   if (!kept.solver) {
-    kept.solver = make_solver(model_.params.solver, model_.interior.pattern, rest_.get());
+    kept.solver = make_solver(model_.params.solver, model_.interior.pattern, rest_.get(),
+                              model_.team.get());
   }
   // The linear formulation's stiffness does not turn with the nodes.
   const bool warped = rest_ && model_.params.formulation != FormulationKind::Linear &&
                       model_.params.solver.preconditioner == PreconditionerKind::WarpedRestFactor;
-  kept.factorisation = kept.solver->factorize(
-      kept.S, warped ? node_rotations_.at(kept.map.x_tilde) : std::vector<Eigen::Matrix3d>{});
+  kept.rotations.clear();
+  if (warped) node_rotations_.at(kept.map.x_tilde, kept.rotations, *model_.team);
+  kept.factorisation = kept.solver->factorize(kept.S, kept.rotations);
   return {.elements_s = middle_s - start_s, .factorize_s = now_s() - middle_s};
 }
 
@@ -264,14 +246,28 @@ TransientStep::Balance TransientStep::balance(const Linearisation& kept, const S
   const double theta = kept.map.theta;
   Balance balance;
   balance.force =
-      kept.f_int - f_ext + multiply(model_.pattern(), kept.K, damping.beta_s * v + d, part);
-  if (damping.alpha_per_s > 0.0) {
-    balance.force += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, v, part);
-  }
-  balance.residual =
-      multiply_scalar(model_.pattern(), model_.mass, a, part) + theta * balance.force;
+      kept.f_int - f_ext +
+      multiply(model_.pattern(), kept.K, damping.beta_s * v + d, part, model_.team.get());
+  if (damping.alpha_per_s > 0.0) balance.force += damping.alpha_per_s * inertia(v, part);
+  balance.residual = inertia(a, part) + theta * balance.force;
   if (begin.force.size() > 0) balance.residual += (1.0 - theta) * begin.force;
   return balance;
+}
+
+/// Free nodes as if they came to rest: the right-hand side is what their balance then lacks.
+void TransientStep::rest(const StepMap& map, Eigen::VectorXd& v, Eigen::VectorXd& d,
+                         Eigen::VectorXd& a) const {
+  for (int node : model_.free) {
+    const Eigen::Index at = 3 * node;
+    v.segment<3>(at).setZero();
+    d.segment<3>(at) = map.d_hat.segment<3>(at);
+    a.segment<3>(at) = map.a_hat.segment<3>(at);
+  }
+}
+
+Eigen::VectorXd TransientStep::multiply_interior(const BlockValues& S,
+                                                 const Eigen::VectorXd& v) const {
+  return multiply(model_.interior.pattern, S, v, {}, model_.team.get());
 }
 
 void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
@@ -279,16 +275,18 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
                           Result& result) const {
   const StepMap& map = kept.map;
   Eigen::VectorXd& d = result.d;
+  const bool projected = kept.S_past.size() > 0;
+  if (projected) rest(kept.map, v, d, a);
   Eigen::MatrixXd delta = -gather(balance(kept, begin, f_ext, v, d, a).residual, model_.free);
-  const Eigen::VectorXd b =
-      delta + multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
+  Eigen::VectorXd b = delta;
+  if (!projected) b += multiply_interior(kept.S, gather(v, model_.free));
   const double start_s = now_s();
-  if (kept.S_past.size() > 0) {
-    const Eigen::VectorXd change = project(begin.past, kept.S_past, b) - gather(v, model_.free);
-    scatter_add(change, model_.free, v);
-    scatter_add(Eigen::VectorXd(map.c_x * change), model_.free, d);
-    scatter_add(Eigen::VectorXd(map.c_a * change), model_.free, a);
-    delta = b - multiply(model_.interior.pattern, kept.S, gather(v, model_.free));
+  if (projected) {
+    const Eigen::VectorXd guess = project(begin.past, kept.S_past, b, *model_.team);
+    scatter_add(guess, model_.free, v);
+    scatter_add(Eigen::VectorXd(map.c_x * guess), model_.free, d);
+    scatter_add(Eigen::VectorXd(map.c_a * guess), model_.free, a);
+    delta = b - multiply_interior(kept.S, guess);
   }
   result.report = kept.solver->solve(delta, Eigen::VectorXd::Constant(1, b.norm()));
   result.times.solve_s = now_s() - start_s;

@@ -32,6 +32,7 @@ struct Linearisation {
   int inverted_elements = 0;
   std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
   BlockValues S;                         ///< interior step matrix (kg/s)
+  std::vector<NodeRotation> rotations;   ///< of the free nodes, for a warped preconditioner
   SolveReport factorisation;
   EightVectors S_past;    ///< S times the last velocities, when the initial guess is made of them
   bool iterated = false;  ///< made at an iterate of Newton's, x̃ + d is an equilibrium
@@ -107,6 +108,11 @@ class TransientStep {
              Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
   [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
 
+  void step_matrix(const StepMap& map, const BlockValues& K, BlockValues& S) const;
+  [[nodiscard]] Eigen::VectorXd inertia(const Eigen::VectorXd& a, ProductPart part = {}) const;
+  void rest(const StepMap& map, Eigen::VectorXd& v, Eigen::VectorXd& d, Eigen::VectorXd& a) const;
+  [[nodiscard]] Eigen::VectorXd multiply_interior(const BlockValues& S,
+                                                  const Eigen::VectorXd& v) const;
   [[nodiscard]] bool remembers() const;
   void remember(const Eigen::VectorXd& v, State& state) const;
   [[nodiscard]] std::unique_ptr<const RestFactor> factorize_at_rest() const;
