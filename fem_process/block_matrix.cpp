@@ -74,9 +74,9 @@ Eigen::VectorXd columns_product(const BlockPattern& pattern, const Eigen::Vector
 /// Four lanes that begin with each row of a block meet x_j; the last row is read with the number
 /// before it, so that nothing behind the block is touched. Idle lanes are thrown away.
 template <class Registers>
-TANDEM_INLINE void multiply_rows_body(const int* row_start, const int* column,
-                                      const double* values, const Padded* x, Padded* y,
-                                      std::size_t begin, std::size_t end) {
+TANDEM_INLINE void multiply_rows_body(const int* row_start, const int* column, const double* values,
+                                      const Padded* x, Padded* y, std::size_t begin,
+                                      std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
     Double4 sum[3] = {};
     for (int b = row_start[i]; b < row_start[i + 1]; ++b) {

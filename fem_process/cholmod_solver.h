@@ -31,8 +31,7 @@ class CholmodSolver final : public LinearSolver {
   ~CholmodSolver() override;
 
   using LinearSolver::factorize;
-  SolveReport factorize(const BlockValues& A,
-                        const std::vector<NodeRotation>& rotations) override;
+  SolveReport factorize(const BlockValues& A, const std::vector<NodeRotation>& rotations) override;
   SolveReport solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) override;
 
   /// A copy of the last factor.

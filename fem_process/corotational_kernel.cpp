@@ -97,8 +97,8 @@ TANDEM_INLINE void evaluate_body(const CorotationalKernel::Batch* batch, std::si
                                  int& inverted) {
   for (std::size_t b = 0; b < count; ++b) {
     const std::size_t first = 4 * kLanes * b;
-    for (int bits = evaluate_batch<Registers>(batch[b], lambda, mu, x, f + first, c + first); bits != 0;
-         bits &= bits - 1) {
+    for (int bits = evaluate_batch<Registers>(batch[b], lambda, mu, x, f + first, c + first);
+         bits != 0; bits &= bits - 1) {
       ++inverted;
     }
   }

@@ -22,7 +22,7 @@ std::vector<int> owners(const SupernodalFactor& factor) {
 
 /// The elimination tree of the supernodes: the parent owns the first row below the columns.
 struct Tree {
-  std::vector<int> parent;          ///< −1: none
+  std::vector<int> parent;           ///< −1: none
   std::vector<std::int64_t> weight;  ///< entries of the whole subtree
   std::vector<std::vector<int>> children;
 };

@@ -32,9 +32,9 @@ TANDEM_INLINE void multiply_tiles(const int* words, std::size_t stride, int pair
     for (int n = 0; n < N; ++n) {
       Lanes even;
       Lanes odd;
-      unpack<Registers>(words + static_cast<std::size_t>(n) * stride +
-                            static_cast<std::size_t>(q) * kTile,
-                        even, odd);
+      unpack<Registers>(
+          words + static_cast<std::size_t>(n) * stride + static_cast<std::size_t>(q) * kTile, even,
+          odd);
       sum[0][n] += x[2 * q] * even;
       sum[1][n] += x[2 * q + 1] * odd;
     }
@@ -83,9 +83,9 @@ TANDEM_INLINE void add_transposed(const int* words, std::size_t stride, int pair
     for (int n = 0; n < N; ++n) {
       Lanes even;
       Lanes odd;
-      unpack<Registers>(words + static_cast<std::size_t>(n) * stride +
-                            static_cast<std::size_t>(q) * kTile,
-                        even, odd);
+      unpack<Registers>(
+          words + static_cast<std::size_t>(n) * stride + static_cast<std::size_t>(q) * kTile, even,
+          odd);
       total[0] += rows[n] * even;
       total[1] += rows[n] * odd;
     }
@@ -159,8 +159,8 @@ FactorPanels::Panel FactorPanels::add(const Eigen::MatrixXd& values) {
   word_.resize(tile_start(panel, panel.tiles()), 0);
   const auto rounded = [&](Eigen::Index i, Eigen::Index k, double inherited) {
     if (i >= values.rows() || k >= values.cols()) return 0.0;
-    const double unit = 65536.0 * static_cast<double>(scale_[panel.scale +
-                                                             static_cast<std::size_t>(k)]);
+    const double unit =
+        65536.0 * static_cast<double>(scale_[panel.scale + static_cast<std::size_t>(k)]);
     return std::nearbyint(values(i, k) / unit - inherited);
   };
   for (int tile = 0; tile < panel.tiles(); ++tile) {
@@ -169,8 +169,7 @@ FactorPanels::Panel FactorPanels::add(const Eigen::MatrixXd& values) {
       for (int i = 0; i < kTile; ++i) {
         const auto even =
             static_cast<std::uint16_t>(static_cast<int>(rounded(tile * kTile + i, 2 * q, 0.0)));
-        const int odd =
-            static_cast<int>(rounded(tile * kTile + i, 2 * q + 1, even / 65536.0));
+        const int odd = static_cast<int>(rounded(tile * kTile + i, 2 * q + 1, even / 65536.0));
         words[q * kTile + i] = static_cast<int>(static_cast<std::uint32_t>(odd) << 16 | even);
       }
     }

@@ -8,8 +8,8 @@ namespace tandem::fem {
 
 /// Dense panels of a triangular factor in 16 bits per entry, and their products with vectors. An
 /// entry is a whole number of −32767 … 32767 times its column's scale: half the memory of single
-/// precision, and one conversion instruction on every processor (half-precision floating point would
-/// need F16C). Two columns share a 32-bit word.
+/// precision, and one conversion instruction on every processor (half-precision floating point
+/// would need F16C). Two columns share a 32-bit word.
 ///
 /// The first `columns` rows are lower triangular. Rows go in tiles of 16; a tile holds the column
 /// pairs that are not all zero in it, one after the other.
@@ -18,9 +18,9 @@ class FactorPanels {
   static constexpr int kTile = 16;
   struct Panel {
     int columns = 0;
-    int rows = 0;            ///< the triangle's included
-    std::size_t word = 0;    ///< of its first tile
-    std::size_t scale = 0;   ///< of its first column
+    int rows = 0;           ///< the triangle's included
+    std::size_t word = 0;   ///< of its first tile
+    std::size_t scale = 0;  ///< of its first column
     [[nodiscard]] int pairs() const { return (columns + 1) / 2; }
     [[nodiscard]] int tiles() const { return (rows + kTile - 1) / kTile; }
     /// Column pairs of a tile.

@@ -360,6 +360,9 @@ Key fem_keys() {
       damping_key(),
       integrator_key(),
       solver_key(),
+      scenario::integer("threads").between(1, 64).by_default("1").doc_is(
+          "Threads of the flexible side's loops. The results have the same bits for any number. "
+          "More than one pays from some 5000 elements on, where processors are idle."),
       scenario::real("micro_step_s", "s")
           .above(0)
           .doc_is(
@@ -412,6 +415,7 @@ Params read_params(const Node& root) {
   params.damping = {damping.real("alpha_per_s"), damping.real("beta_s")};
   params.integrator = read_integrator(fem.section("integrator"));
   params.solver = read_solver(fem.section("solver"));
+  params.threads = static_cast<int>(fem.integer("threads"));
   // Without `run` (static analysis, modes) no step is made: any length is good.
   const SimTime macro_step =
       root.has("run") ? scenario::read_run(root).macro_step : SimTime(1'000'000'000);

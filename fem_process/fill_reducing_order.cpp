@@ -24,8 +24,8 @@ std::vector<int> fill_reducing_order(const BlockPattern& pattern) {
   if (graph != nullptr) {
     std::copy(pattern.row_start.begin(), pattern.row_start.end(), static_cast<int*>(graph->p));
     std::copy(pattern.column.begin(), pattern.column.end(), static_cast<int*>(graph->i));
-    found = cholmod_nested_dissection(graph, nullptr, 0, order.data(), parent.data(),
-                                      member.data(), &common) >= 0 ||
+    found = cholmod_nested_dissection(graph, nullptr, 0, order.data(), parent.data(), member.data(),
+                                      &common) >= 0 ||
             cholmod_amd(graph, nullptr, 0, order.data(), &common) != 0;
   }
   const int status = common.status;

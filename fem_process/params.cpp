@@ -42,6 +42,8 @@ void check(const Params& params) {
   require(params.solver.tolerance > 0.0 && params.solver.tolerance < 1.0,
           "fem: solver tolerance must be above 0 and below 1.");
   require(params.solver.max_iterations > 0, "fem: solver max_iterations must be positive.");
+  require(params.threads >= 1 && params.threads <= 64,
+          "fem: " + std::to_string(params.threads) + " threads: there must be 1 to 64.");
   require(params.micro_step > SimTime{}, "fem: the micro step must be positive.");
   require(params.gravity_m_per_s2.allFinite(), "fem: gravity must be finite.");
   for (const Load& load : params.loads) {

@@ -24,16 +24,16 @@ TANDEM_INLINE double sum_of(const Double4& sums) { return (sums[0] + sums[1]) + 
 
 /// Nodes [begin, end) of z = D⁻¹ r and of r · z; the inverse blocks are symmetric.
 template <class Registers>
-TANDEM_INLINE void jacobi_body(const double* inverse, const Padded* r, Padded* z,
-                               std::size_t begin, std::size_t end, double& product) {
+TANDEM_INLINE void jacobi_body(const Padded* inverse, const Padded* r, Padded* z, std::size_t begin,
+                               std::size_t end, double& product) {
   Double4 sums{};
   for (std::size_t i = begin; i < end; ++i) {
-    const double* row = inverse + 9 * i;
     Double4 z_i{};
     Double4 r_i;
     load(r_i, r[i].at);
     for (int k = 0; k < 3; ++k) {
-      const Double4 column = {row[3 * k], row[3 * k + 1], row[3 * k + 2], 0.0};
+      Double4 column;
+      load(column, inverse[3 * i + static_cast<std::size_t>(k)].at);
       z_i += r_i[k] * column;
     }
     store(z_i, z[i].at);
@@ -92,7 +92,7 @@ TANDEM_INLINE void step_body(double alpha, const Padded* p, const Padded* Ap, Pa
 }
 
 TANDEM_VECTOR_FUNCTION(jacobi, jacobi_body,
-                       (const double* inverse, const Padded* r, Padded* z, std::size_t begin,
+                       (const Padded* inverse, const Padded* r, Padded* z, std::size_t begin,
                         std::size_t end, double& product),
                        (inverse, r, z, begin, end, product))
 TANDEM_VECTOR_FUNCTION(turn, turn_body,
@@ -112,15 +112,11 @@ TANDEM_VECTOR_FUNCTION(move, step_body,
 
 PcgSolver::PcgSolver(const SolverParams& params, const BlockPattern& pattern,
                      const RestFactor* rest, ThreadTeam* team)
-    : params_(params),
-      pattern_(pattern),
-      rest_(rest),
-      team_(team != nullptr ? *team : alone_) {
+    : params_(params), pattern_(pattern), rest_(rest), team_(team != nullptr ? *team : alone_) {
   if (rest_ == nullptr) params_.preconditioner = PreconditionerKind::BlockJacobi;
 }
 
-SolveReport PcgSolver::factorize(const BlockValues& A,
-                                 const std::vector<NodeRotation>& rotations) {
+SolveReport PcgSolver::factorize(const BlockValues& A, const std::vector<NodeRotation>& rotations) {
   A_ = &A;
   rotations_.clear();
   if (params_.preconditioner == PreconditionerKind::BlockJacobi) return invert_diagonal(A);
@@ -129,7 +125,7 @@ SolveReport PcgSolver::factorize(const BlockValues& A,
 }
 
 SolveReport PcgSolver::invert_diagonal(const BlockValues& A) {
-  inverse_diagonal_.resize(9 * static_cast<std::size_t>(pattern_.rows()));
+  inverse_diagonal_.resize(3 * static_cast<std::size_t>(pattern_.rows()));
   for (int i = 0; i < pattern_.rows(); ++i) {
     const Eigen::Matrix3d diagonal = block(A, pattern_.find(i, i));
     const Eigen::LLT<Eigen::Matrix3d> llt(diagonal);
@@ -138,7 +134,11 @@ SolveReport PcgSolver::invert_diagonal(const BlockValues& A) {
               .message = "the step matrix is not positive definite. Halve fem.micro_step_s."};
     }
     const Eigen::Matrix3d inverse = llt.solve(Eigen::Matrix3d::Identity());
-    block(inverse_diagonal_, i) = 0.5 * (inverse + inverse.transpose());
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d column = 0.5 * (inverse.col(k) + inverse.row(k).transpose());
+      inverse_diagonal_[static_cast<std::size_t>(3 * i + k)] = {
+          {column[0], column[1], column[2], 0.0}};
+    }
   }
   return {};
 }

@@ -17,8 +17,7 @@ class PcgSolver final : public LinearSolver {
             ThreadTeam* team);
 
   using LinearSolver::factorize;
-  SolveReport factorize(const BlockValues& A,
-                        const std::vector<NodeRotation>& rotations) override;
+  SolveReport factorize(const BlockValues& A, const std::vector<NodeRotation>& rotations) override;
   SolveReport solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) override;
 
  private:
@@ -43,7 +42,7 @@ class PcgSolver final : public LinearSolver {
   ThreadTeam alone_;
   ThreadTeam& team_;
   const BlockValues* A_ = nullptr;
-  BlockValues inverse_diagonal_;
+  std::vector<Padded> inverse_diagonal_;  ///< columns of the blocks
   std::vector<NodeRotation> rotations_;
   RestFactor::Scratch scratch_;
   std::vector<Padded> x_;

@@ -85,17 +85,16 @@ Eigen::MatrixXd panel_of(const SupernodalFactor& factor, std::size_t s,
   const Eigen::Index columns = factor.first_column[s + 1] - factor.first_column[s];
   const Eigen::Index rows = factor.row_start[s + 1] - factor.row_start[s];
   const Eigen::Index below = rows - columns;
-  Eigen::MatrixXd L = Eigen::Map<const Eigen::MatrixXd>(
-      factor.value.data() + factor.value_start[s], rows, columns);
+  Eigen::MatrixXd L =
+      Eigen::Map<const Eigen::MatrixXd>(factor.value.data() + factor.value_start[s], rows, columns);
   for (Eigen::Index i = 0; i < rows; ++i) {
     const int row = factor.row[static_cast<std::size_t>(factor.row_start[s] + i)];
     const int of = factor.permutation[static_cast<std::size_t>(row)];
     L.row(i) /= root[static_cast<std::size_t>(of) / 3];
   }
   Eigen::MatrixXd P(rows, columns);
-  P.topRows(columns) =
-      L.topRows(columns).triangularView<Eigen::Lower>().solve(
-          Eigen::MatrixXd::Identity(columns, columns));
+  P.topRows(columns) = L.topRows(columns).triangularView<Eigen::Lower>().solve(
+      Eigen::MatrixXd::Identity(columns, columns));
   P.bottomRows(below).noalias() = -L.bottomRows(below) * P.topRows(columns);
   return P;
 }

@@ -35,8 +35,8 @@ class RestFactor {
   /// z = W L⁻ᵀ L⁻¹ Wᵀ r to some 4 digits, W = diag(`rotations`) or, when they are empty, I.
   /// `r_norm` = ‖r‖ keeps small numbers in the range of single precision. Returns r · z.
   double solve(const std::vector<Padded>& r, double r_norm,
-               const std::vector<NodeRotation>& rotations, std::vector<Padded>& z,
-               Scratch& scratch, ThreadTeam& team) const;
+               const std::vector<NodeRotation>& rotations, std::vector<Padded>& z, Scratch& scratch,
+               ThreadTeam& team) const;
 
   [[nodiscard]] std::size_t bytes() const { return panels_.bytes() + sizeof(int) * row_.size(); }
 
@@ -44,8 +44,8 @@ class RestFactor {
   /// Positions are those in Scratch::y.
   struct Supernode {
     FactorPanels::Panel panel;
-    int first = 0;           ///< of its columns
-    std::size_t below = 0;   ///< in row_: positions of the rows below the columns
+    int first = 0;          ///< of its columns
+    std::size_t below = 0;  ///< in row_: positions of the rows below the columns
   };
   /// Nodes that are eliminated together: their unknowns stand from `first` on, three by three,
   /// behind them the sums for rows of the top.

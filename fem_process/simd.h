@@ -13,24 +13,24 @@
 #define TANDEM_INLINE [[gnu::always_inline]] inline
 
 #if defined(__x86_64__)
-#define TANDEM_VECTOR_FUNCTION(name, body, parameters, arguments)               \
-  [[gnu::target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")]] \
-  void name##_avx512 parameters {                                               \
-    body<tandem::fem::WideRegisters> arguments;                                 \
-  }                                                                             \
-  [[gnu::target("avx2")]] void name##_avx2 parameters {                         \
-    body<tandem::fem::NarrowRegisters> arguments;                               \
-  }                                                                             \
-  void name##_plain parameters { body<tandem::fem::NarrowRegisters> arguments; } \
-  void name parameters {                                                        \
-    switch (tandem::fem::vector_unit()) {                                       \
-      case tandem::fem::VectorUnit::Avx512:                                     \
-        return name##_avx512 arguments;                                         \
-      case tandem::fem::VectorUnit::Avx2:                                       \
-        return name##_avx2 arguments;                                           \
-      default:                                                                  \
-        return name##_plain arguments;                                          \
-    }                                                                           \
+#define TANDEM_VECTOR_FUNCTION(name, body, parameters, arguments)                                  \
+  [[gnu::target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")]] void name##_avx512 \
+      parameters {                                                                                 \
+    body<tandem::fem::WideRegisters> arguments;                                                    \
+  }                                                                                                \
+  [[gnu::target("avx2")]] void name##_avx2 parameters {                                            \
+    body<tandem::fem::NarrowRegisters> arguments;                                                  \
+  }                                                                                                \
+  void name##_plain parameters { body<tandem::fem::NarrowRegisters> arguments; }                   \
+  void name parameters {                                                                           \
+    switch (tandem::fem::vector_unit()) {                                                          \
+      case tandem::fem::VectorUnit::Avx512:                                                        \
+        return name##_avx512 arguments;                                                            \
+      case tandem::fem::VectorUnit::Avx2:                                                          \
+        return name##_avx2 arguments;                                                              \
+      default:                                                                                     \
+        return name##_plain arguments;                                                             \
+    }                                                                                              \
   }
 #else
 #define TANDEM_VECTOR_FUNCTION(name, body, parameters, arguments) \
@@ -41,9 +41,10 @@ namespace tandem::fem {
 
 enum class VectorUnit { Plain, Avx2, Avx512 };
 
-/// What the processor has; TANDEM_VECTOR_UNIT=plain or avx2 in the environment asks for less, to
-/// see that the bits are the same.
+/// The best that the processor has.
 [[nodiscard]] VectorUnit vector_unit();
+/// Asks for less than that, to see that the bits are the same. Of the whole program.
+void limit_vector_unit(VectorUnit most);
 
 /// Four numbers, most often the three of a node and a zero.
 using Double4 = double __attribute__((vector_size(32)));

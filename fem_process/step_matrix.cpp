@@ -11,11 +11,12 @@ constexpr std::size_t kGrain = 2048;
 template <class Registers>
 TANDEM_INLINE void combine_body(const int* source, double m, const double* M, double k,
                                 const double* K, double* S, std::size_t begin, std::size_t end) {
+  const Double4 unit = {1.0, 0.0, 0.0, 0.0};
   for (std::size_t b = begin; b < end; ++b) {
     const double* from = K + 9 * static_cast<std::ptrdiff_t>(source[b]);
     double* to = S + 9 * b;
     const double mass = m * M[source[b]];
-    const Double4 diagonal = {mass, 0.0, 0.0, 0.0};
+    const Double4 diagonal = mass * unit;
     Double4 low;
     Double4 high;
     load(low, from);

@@ -28,12 +28,12 @@ TANDEM_INLINE void store_stiffness(const Double4 (&D)[3], double lambda, double 
   Double4 T[4] = {D[0], D[1], D[2], Double4{}};
   transpose(T[0], T[1], T[2], T[3]);
   const double trace = mu * (D[0][0] + D[1][1] + D[2][2]);
-  const Double4 spherical[3] = {{trace, 0, 0, 0}, {0, trace, 0, 0}, {0, 0, trace, 0}};
+  const Double4 unit[3] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
   Double4 K[3];
-  for (int r = 0; r < 3; ++r) K[r] = lambda * D[r] + mu * T[r] + spherical[r];
+  for (int r = 0; r < 3; ++r) K[r] = lambda * D[r] + mu * T[r] + trace * unit[r];
   store_block(K[0], K[1], K[2], to);
   if (transposed == nullptr) return;
-  for (int r = 0; r < 3; ++r) K[r] = lambda * T[r] + mu * D[r] + spherical[r];
+  for (int r = 0; r < 3; ++r) K[r] = lambda * T[r] + mu * D[r] + trace * unit[r];
   store_block(K[0], K[1], K[2], transposed);
 }
 

@@ -94,9 +94,7 @@ ThreadTeam::ThreadTeam(int threads)
 
 ThreadTeam::~ThreadTeam() = default;
 
-int ThreadTeam::threads() const {
-  return helpers_ ? static_cast<int>(helpers_->shares.size()) : 1;
-}
+int ThreadTeam::threads() const { return helpers_ ? static_cast<int>(helpers_->shares.size()) : 1; }
 
 void ThreadTeam::share(int parts, Call call, const void* work) {
   Helpers& h = *helpers_;

@@ -226,8 +226,8 @@ StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
   const double middle_s = now_s();
   step_matrix(kept.map, kept.K, kept.S);
   if (!kept.solver) {
-    kept.solver = make_solver(model_.params.solver, model_.interior.pattern, rest_.get(),
-                              model_.team.get());
+    kept.solver =
+        make_solver(model_.params.solver, model_.interior.pattern, rest_.get(), model_.team.get());
   }
   // The linear formulation's stiffness does not turn with the nodes.
   const bool warped = rest_ && model_.params.formulation != FormulationKind::Linear &&

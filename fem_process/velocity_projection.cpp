@@ -34,8 +34,8 @@ TANDEM_INLINE void products_body(const double* past, const double* S_past, const
 
 /// The nodes' vectors Σ y_k v_k.
 template <class Registers>
-TANDEM_INLINE void sum_body(const double* past, const double* y, std::size_t begin,
-                            std::size_t end, double* v) {
+TANDEM_INLINE void sum_body(const double* past, const double* y, std::size_t begin, std::size_t end,
+                            double* v) {
   using Lanes = typename Registers::Double8;
   Lanes weight;
   load(weight, y);
@@ -118,8 +118,8 @@ Eigen::VectorXd project(const EightVectors& past, const EightVectors& S_past,
   Vector8d scale;
   for (int k = 0; k < 8; ++k) scale[k] = G(k, k) > 0.0 ? 1.0 / std::sqrt(G(k, k)) : 0.0;
   const Vector8d y =
-      scale.asDiagonal() *
-      solve_semidefinite(scale.asDiagonal() * G * scale.asDiagonal(), scale.asDiagonal() * sum.col(8));
+      scale.asDiagonal() * solve_semidefinite(scale.asDiagonal() * G * scale.asDiagonal(),
+                                              scale.asDiagonal() * sum.col(8));
   Eigen::VectorXd v(b.size());
   team.run_ranges(nodes, kGroup, [&](std::size_t begin, std::size_t end) {
     sum_group(past.data(), y.data(), begin, end, v.data());

@@ -30,6 +30,7 @@ TEST(FemKeys, DefaultsAreThoseOfTheParameterStructs) {
   EXPECT_EQ(read_back.mass, expected.mass);
   EXPECT_EQ(read_back.integrator.kind, expected.integrator.kind);
   EXPECT_EQ(read_back.solver.kind, expected.solver.kind);
+  EXPECT_EQ(read_back.threads, expected.threads);
   EXPECT_EQ(read_back.damping.alpha_per_s, expected.damping.alpha_per_s);
   EXPECT_EQ(read_back.micro_step, SimTime(2'000'000));  // the macro step
   EXPECT_EQ(read_back.mesh.length_scale_m, 0.001);
@@ -47,7 +48,7 @@ TEST(FemKeys, EveryKeyArrives) {
       "  mass: lumped\n  damping: {alpha_per_s: 1, beta_s: 0.002}\n"
       "  integrator: {kind: hht, hht_alpha: -0.2}\n"
       "  solver: {kind: pcg, tolerance: 1.0e-8, max_iterations: 77}\n"
-      "  micro_step_s: 0.001\n  gravity_m_per_s2: [0, 0, -9.81]\n  fixed: [right]\n"
+      "  threads: 2\n  micro_step_s: 0.001\n  gravity_m_per_s2: [0, 0, -9.81]\n  fixed: [right]\n"
       "  watch: [solid]\n"
       "  loads:\n    - {kind: nodal, set: right, force_N: [1, 2, 3]}\n"
       "    - {kind: surface, set: right, traction_Pa: [4, 5, 6], law: {kind: harmonic, "
@@ -61,6 +62,7 @@ TEST(FemKeys, EveryKeyArrives) {
   EXPECT_EQ(p.integrator.hht_alpha, -0.2);
   EXPECT_EQ(p.solver.tolerance, 1e-8);
   EXPECT_EQ(p.solver.max_iterations, 77);
+  EXPECT_EQ(p.threads, 2);
   EXPECT_EQ(p.micro_step, SimTime(1'000'000));
   EXPECT_EQ(p.gravity_m_per_s2, Eigen::Vector3d(0, 0, -9.81));
   EXPECT_EQ(p.fixed.at(0).name, "right");

@@ -8,7 +8,6 @@
 #include "fem_process/corotational_tet4.h"
 #include "fem_process/node_rotations.h"
 #include "fem_process/polar.h"
-#include "fem_process/rest_factor.h"
 #include "fem_process/step_benchmark.h"
 #include "tests/support/fem_support.h"
 
@@ -151,6 +150,7 @@ TEST(FemPreconditioners, CutTheIterationsOfTheStandardLug) {
 }
 
 // The positions of a rotated body are linear in the reference ones: every node's F is R itself.
+// Kept in single precision: 6e-8 for each of nine numbers below 1.
 TEST(NodeRotations, OfARigidlyTurnedBodyAreItsRotation) {
   const Model model(bar_with_two_ports());
   const NodeRotations rotations(model.mesh, model.pattern(), model.free);
@@ -159,7 +159,18 @@ TEST(NodeRotations, OfARigidlyTurnedBodyAreItsRotation) {
   for (Eigen::Index i = 0; i < x.size(); i += 3) {
     x.segment<3>(i) = R * x.segment<3>(i) + Eigen::Vector3d(3, -1, 2);
   }
-  for (const Eigen::Matrix3d& node : rotations.at(x)) EXPECT_LT((node - R).norm(), 1e-12);
+  std::vector<NodeRotation> nodes;
+  ThreadTeam alone;
+  rotations.at(x, nodes, alone);
+  ASSERT_EQ(nodes.size(), model.free.size());
+  for (const NodeRotation& node : nodes) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        EXPECT_NEAR(node.row[i][j], R(i, j), 1.2e-7);
+        EXPECT_EQ(node.column[j][i], node.row[i][j]);
+      }
+    }
+  }
 }
 
 // The kernel's forces and stiffness are those of element matrices that are rotated one by one, also
@@ -216,7 +227,9 @@ TEST(BlockMatrix, PartsOfAProductEqualTheWhole) {
   model.formulation->evaluate(model.reference(), f_int, K);
   EightVectors X = EightVectors::Zero(8, 3 * model.mesh.nodes());
   for (Eigen::Index i = 0; i < X.size(); ++i) X(i) = std::sin(1.0 + 0.3 * static_cast<double>(i));
-  const EightVectors Y = multiply_eight(model.pattern(), K, X);
+  EightVectors Y;
+  ThreadTeam alone;
+  multiply_eight(model.pattern(), K, X, Y, alone);
   const double round_off = 1e-13 * Y.cwiseAbs().maxCoeff();
   for (Eigen::Index k = 0; k < 8; ++k) {
     const Eigen::VectorXd x = X.row(k).transpose();
@@ -231,34 +244,6 @@ TEST(BlockMatrix, PartsOfAProductEqualTheWhole) {
     const Eigen::VectorXd columns =
         multiply(model.pattern(), K, sparse, {.columns = &model.prescribed});
     EXPECT_LT((columns - multiply(model.pattern(), K, sparse)).cwiseAbs().maxCoeff(), round_off);
-  }
-}
-
-// A = L Lᵀ in single precision: relative error in the energy norm is the unit round-off 6e-8 times
-// the root of the condition number (below 1e4) and a modest constant of the elimination.
-TEST(RestFactor, SolvesToSinglePrecision) {
-  const Model model(bar_with_two_ports());
-  Eigen::VectorXd f_int;
-  BlockValues K;
-  model.formulation->evaluate(model.reference(), f_int, K);
-  BlockValues A(9 * model.interior.pattern.blocks());
-  for (std::size_t b = 0; b < model.interior.source.size(); ++b) {
-    block(A, static_cast<int>(b)) = block(K, model.interior.source[b]);
-  }
-  const RestFactor factor(model.interior.pattern, A);
-  const Eigen::Index n = 3 * model.interior.pattern.rows();
-  Eigen::VectorXd expected(n);
-  for (Eigen::Index i = 0; i < n; ++i) expected[i] = std::sin(1.0 + 0.7 * static_cast<double>(i));
-  // 1e-60: beyond the range of single precision.
-  for (const double scale : {1.0, 1e-60}) {
-    Eigen::VectorXd z(n);
-    RestFactor::Scratch scratch;
-    factor.solve(scale * multiply(model.interior.pattern, A, expected), z, scratch);
-    const Eigen::VectorXd error = z / scale - expected;
-    const auto energy = [&](const Eigen::VectorXd& v) {
-      return std::sqrt(v.dot(multiply(model.interior.pattern, A, v)));
-    };
-    EXPECT_LT(energy(error), 1e-4 * energy(expected));
   }
 }
 
