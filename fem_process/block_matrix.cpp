@@ -73,7 +73,6 @@ Eigen::VectorXd columns_product(const BlockPattern& pattern, const Eigen::Vector
 
 /// Four lanes that begin with each row of a block meet x_j; the last row is read with the number
 /// before it, so that nothing behind the block is touched. Idle lanes are thrown away.
-template <class Registers>
 TANDEM_INLINE void multiply_rows_body(const int* row_start, const int* column, const double* values,
                                       const Padded* x, Padded* y, std::size_t begin,
                                       std::size_t end) {
@@ -104,7 +103,6 @@ TANDEM_VECTOR_FUNCTION(multiply_block_rows, multiply_rows_body,
                         const Padded* x, Padded* y, std::size_t begin, std::size_t end),
                        (row_start, column, values, x, y, begin, end))
 
-template <class Registers>
 TANDEM_INLINE void multiply_number_rows_body(const int* row_start, const int* column,
                                              const double* values, const Padded* x, Padded* y,
                                              std::size_t begin, std::size_t end) {
@@ -145,10 +143,10 @@ TANDEM_INLINE void multiply_eight_body(const BlockPattern& pattern, const double
   }
 }
 
-TANDEM_VECTOR_FUNCTION(multiply_eight_rows, multiply_eight_body,
-                       (const BlockPattern& pattern, const double* values, const double* X,
-                        double* Y, std::size_t begin, std::size_t end),
-                       (pattern, values, X, Y, begin, end))
+TANDEM_REGISTER_FUNCTION(multiply_eight_rows, multiply_eight_body,
+                         (const BlockPattern& pattern, const double* values, const double* X,
+                          double* Y, std::size_t begin, std::size_t end),
+                         (pattern, values, X, Y, begin, end))
 
 }  // namespace
 

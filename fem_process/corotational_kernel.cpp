@@ -104,10 +104,10 @@ TANDEM_INLINE void evaluate_body(const CorotationalKernel::Batch* batch, std::si
   }
 }
 
-TANDEM_VECTOR_FUNCTION(evaluate_batches, evaluate_body,
-                       (const CorotationalKernel::Batch* batch, std::size_t count, double lambda,
-                        double mu, const Padded* x, Padded* f, Padded* c, int& inverted),
-                       (batch, count, lambda, mu, x, f, c, inverted))
+TANDEM_REGISTER_FUNCTION(evaluate_batches, evaluate_body,
+                         (const CorotationalKernel::Batch* batch, std::size_t count, double lambda,
+                          double mu, const Padded* x, Padded* f, Padded* c, int& inverted),
+                         (batch, count, lambda, mu, x, f, c, inverted))
 
 }  // namespace
 

@@ -63,10 +63,10 @@ TANDEM_INLINE void multiply_body(const int* words, int pairs, int full, int begi
   }
 }
 
-TANDEM_VECTOR_FUNCTION(multiply_panel, multiply_body,
-                       (const int* words, int pairs, int full, int begin, int end, const float* x,
-                        float* out),
-                       (words, pairs, full, begin, end, x, out))
+TANDEM_REGISTER_FUNCTION(multiply_panel, multiply_body,
+                         (const int* words, int pairs, int full, int begin, int end, const float* x,
+                          float* out),
+                         (words, pairs, full, begin, end, x, out))
 
 /// sums += Pᵀ x of `N` tiles, column pairs [0, pairs).
 template <class Registers, int N>
@@ -129,10 +129,10 @@ TANDEM_INLINE void transposed_body(const int* words, int pairs, int tiles, int b
   }
 }
 
-TANDEM_VECTOR_FUNCTION(transposed_panel, transposed_body,
-                       (const int* words, int pairs, int tiles, int begin, int end, const float* x,
-                        float* sums),
-                       (words, pairs, tiles, begin, end, x, sums))
+TANDEM_REGISTER_FUNCTION(transposed_panel, transposed_body,
+                         (const int* words, int pairs, int tiles, int begin, int end,
+                          const float* x, float* sums),
+                         (words, pairs, tiles, begin, end, x, sums))
 
 }  // namespace
 

@@ -69,10 +69,10 @@ TANDEM_INLINE void turn_body(const BlockPattern& pattern, const Padded* G, const
   }
 }
 
-TANDEM_VECTOR_FUNCTION(turn, turn_body,
-                       (const BlockPattern& pattern, const Padded* G, const int* nodes,
-                        std::size_t count, const Padded* x, NodeRotation* rotations),
-                       (pattern, G, nodes, count, x, rotations))
+TANDEM_REGISTER_FUNCTION(turn, turn_body,
+                         (const BlockPattern& pattern, const Padded* G, const int* nodes,
+                          std::size_t count, const Padded* x, NodeRotation* rotations),
+                         (pattern, G, nodes, count, x, rotations))
 
 }  // namespace
 

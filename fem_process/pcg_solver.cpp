@@ -23,7 +23,6 @@ std::string text(const char* format, double a, double b, int n) {
 TANDEM_INLINE double sum_of(const Double4& sums) { return (sums[0] + sums[1]) + sums[2]; }
 
 /// Nodes [begin, end) of z = D⁻¹ r and of r · z; the inverse blocks are symmetric.
-template <class Registers>
 TANDEM_INLINE void jacobi_body(const Padded* inverse, const Padded* r, Padded* z, std::size_t begin,
                                std::size_t end, double& product) {
   Double4 sums{};
@@ -42,7 +41,6 @@ TANDEM_INLINE void jacobi_body(const Padded* inverse, const Padded* r, Padded* z
   product = sum_of(sums);
 }
 
-template <class Registers>
 TANDEM_INLINE void turn_body(double beta, const Padded* z, Padded* p, std::size_t begin,
                              std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
@@ -55,7 +53,6 @@ TANDEM_INLINE void turn_body(double beta, const Padded* z, Padded* p, std::size_
   }
 }
 
-template <class Registers>
 TANDEM_INLINE void dot_body(const Padded* a, const Padded* b, std::size_t begin, std::size_t end,
                             double& product) {
   Double4 sums{};
@@ -69,7 +66,6 @@ TANDEM_INLINE void dot_body(const Padded* a, const Padded* b, std::size_t begin,
   product = sum_of(sums);
 }
 
-template <class Registers>
 TANDEM_INLINE void step_body(double alpha, const Padded* p, const Padded* Ap, Padded* x, Padded* r,
                              std::size_t begin, std::size_t end, double& square) {
   Double4 sums{};

@@ -18,7 +18,6 @@ constexpr int kEntriesWorthSharing = 16384;
 using Float4 = float __attribute__((vector_size(16)));
 
 /// y = d Wᵀ r of the part's nodes, three numbers each; the fourth is overwritten by the next node.
-template <class Registers>
 TANDEM_INLINE void load_body(const int* nodes, std::size_t count, const Padded* r,
                              const double* inverse_root, double scale,
                              const NodeRotation* rotations, float* y) {
@@ -40,7 +39,6 @@ TANDEM_INLINE void load_body(const int* nodes, std::size_t count, const Padded* 
 }
 
 /// z = d W y, and the sum of r · z.
-template <class Registers>
 TANDEM_INLINE void store_body(const int* nodes, std::size_t count, const Padded* r,
                               const double* inverse_root, double size,
                               const NodeRotation* rotations, const float* y, Padded* z,

@@ -7,21 +7,27 @@
 /// on the processor; only the speed does.
 ///   TANDEM_INLINE          a piece of such a kernel: compiled for whoever calls it
 ///   TANDEM_VECTOR_FUNCTION(name, body, parameters, arguments)
-///                          function `name` that calls `body<Registers>` compiled for AVX-512 or
-///                          AVX2 where the processor has it, else for the build's own target
+///                          function `name` that calls `body` compiled for AVX-512 or AVX2 where
+///                          the processor has it, else for the build's own target
+///   TANDEM_REGISTER_FUNCTION(name, body, parameters, arguments)
+///                          the same for a template: `body<WideRegisters>` for AVX-512, else
+///                          `body<NarrowRegisters>`
 /// Chosen by a test rather than by an indirect function (ifunc), which sanitizers do not survive.
 #define TANDEM_INLINE [[gnu::always_inline]] inline
+#define TANDEM_VECTOR_FUNCTION(name, body, parameters, arguments) \
+  TANDEM_DISPATCH(name, body, body, parameters, arguments)
+#define TANDEM_REGISTER_FUNCTION(name, body, parameters, arguments)                           \
+  TANDEM_DISPATCH(name, body<tandem::fem::WideRegisters>, body<tandem::fem::NarrowRegisters>, \
+                  parameters, arguments)
 
 #if defined(__x86_64__)
-#define TANDEM_VECTOR_FUNCTION(name, body, parameters, arguments)                                  \
+#define TANDEM_DISPATCH(name, wide, narrow, parameters, arguments)                                 \
   [[gnu::target("avx512f,avx512vl,avx512dq,avx512bw,prefer-vector-width=512")]] void name##_avx512 \
       parameters {                                                                                 \
-    body<tandem::fem::WideRegisters> arguments;                                                    \
+    wide arguments;                                                                                \
   }                                                                                                \
-  [[gnu::target("avx2")]] void name##_avx2 parameters {                                            \
-    body<tandem::fem::NarrowRegisters> arguments;                                                  \
-  }                                                                                                \
-  void name##_plain parameters { body<tandem::fem::NarrowRegisters> arguments; }                   \
+  [[gnu::target("avx2")]] void name##_avx2 parameters { narrow arguments; }                        \
+  void name##_plain parameters { narrow arguments; }                                               \
   void name parameters {                                                                           \
     switch (tandem::fem::vector_unit()) {                                                          \
       case tandem::fem::VectorUnit::Avx512:                                                        \
@@ -33,8 +39,8 @@
     }                                                                                              \
   }
 #else
-#define TANDEM_VECTOR_FUNCTION(name, body, parameters, arguments) \
-  void name parameters { body<tandem::fem::NarrowRegisters> arguments; }
+#define TANDEM_DISPATCH(name, wide, narrow, parameters, arguments) \
+  void name parameters { narrow arguments; }
 #endif
 
 namespace tandem::fem {

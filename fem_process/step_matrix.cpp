@@ -8,7 +8,6 @@ namespace {
 /// Blocks that a thread takes at a time.
 constexpr std::size_t kGrain = 2048;
 
-template <class Registers>
 TANDEM_INLINE void combine_body(const int* source, double m, const double* M, double k,
                                 const double* K, double* S, std::size_t begin, std::size_t end) {
   const Double4 unit = {1.0, 0.0, 0.0, 0.0};

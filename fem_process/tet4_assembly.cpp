@@ -38,7 +38,6 @@ TANDEM_INLINE void store_stiffness(const Double4 (&D)[3], double lambda, double 
 }
 
 /// Rows [begin, end).
-template <class Registers>
 TANDEM_INLINE void gather_body(const Tet4Assembly::Lists& lists, double lambda, double mu,
                                std::size_t begin, std::size_t end, const Padded* c, const Padded* f,
                                double* f_int, double* K) {

@@ -56,14 +56,14 @@ TANDEM_INLINE void sum_body(const double* past, const double* y, std::size_t beg
   }
 }
 
-TANDEM_VECTOR_FUNCTION(multiply_group, products_body,
-                       (const double* past, const double* S_past, const double* b,
-                        std::size_t begin, std::size_t end, double* products),
-                       (past, S_past, b, begin, end, products))
-TANDEM_VECTOR_FUNCTION(sum_group, sum_body,
-                       (const double* past, const double* y, std::size_t begin, std::size_t end,
-                        double* v),
-                       (past, y, begin, end, v))
+TANDEM_REGISTER_FUNCTION(multiply_group, products_body,
+                         (const double* past, const double* S_past, const double* b,
+                          std::size_t begin, std::size_t end, double* products),
+                         (past, S_past, b, begin, end, products))
+TANDEM_REGISTER_FUNCTION(sum_group, sum_body,
+                         (const double* past, const double* y, std::size_t begin, std::size_t end,
+                          double* v),
+                         (past, y, begin, end, v))
 
 /// Solves G y = h for a positive semidefinite G of unit diagonal by Cholesky's factorisation with
 /// pivots; what has no pivot above round-off stays zero.

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "fem_process/ancf/beam_mesh.h"
+#include "fem_process/ancf/lanes.h"
 #include "fem_process/ancf/point_law.h"
-#include "fem_process/polar_lanes.h"
 
 namespace tandem::fem::ancf {
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "fem_process/ancf/lanes.h"
 #include "fem_process/ancf/point_law.h"
-#include "fem_process/polar_lanes.h"
 
 namespace tandem::fem::ancf {
 
