@@ -94,20 +94,39 @@ TANDEM_INLINE void add_transposed(const int* words, std::size_t stride, int pair
   }
 }
 
-/// Sum over the lanes, in a fixed order.
-TANDEM_INLINE float sum_lanes(const float* lanes) {
-  float eight[8];
-  for (int k = 0; k < 8; ++k) eight[k] = lanes[k] + lanes[k + 8];
-  float four[4];
-  for (int k = 0; k < 4; ++k) four[k] = eight[k] + eight[k + 4];
-  return (four[0] + four[2]) + (four[1] + four[3]);
+using Float8 = float __attribute__((vector_size(32)));
+using Float4 = float __attribute__((vector_size(16)));
+
+/// Sums over the lanes of four columns, in a fixed order.
+TANDEM_INLINE void sum_lanes(const float* sums, float* out) {
+  Float4 four[4];
+  for (int c = 0; c < 4; ++c) {
+    Float8 low;
+    Float8 high;
+    load(low, sums + c * kTile);
+    load(high, sums + c * kTile + 8);
+    low += high;
+    const Float4 first = __builtin_shufflevector(low, low, 0, 1, 2, 3);
+    const Float4 second = __builtin_shufflevector(low, low, 4, 5, 6, 7);
+    four[c] = first + second;
+  }
+  const Float4 ab_low = __builtin_shufflevector(four[0], four[1], 0, 4, 1, 5);
+  const Float4 ab_high = __builtin_shufflevector(four[0], four[1], 2, 6, 3, 7);
+  const Float4 cd_low = __builtin_shufflevector(four[2], four[3], 0, 4, 1, 5);
+  const Float4 cd_high = __builtin_shufflevector(four[2], four[3], 2, 6, 3, 7);
+  const Float4 ab = ab_low + ab_high;  // a0 + a2, b0 + b2, a1 + a3, b1 + b3
+  const Float4 cd = cd_low + cd_high;
+  const Float4 total =
+      __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+  store(total, out);
 }
 
 /// What a block of column pairs [begin, end) meets: `words` is the panel's first word.
 template <class Registers>
 TANDEM_INLINE void transposed_body(const int* words, int pairs, int tiles, int begin, int end,
-                                   const float* x, float* sums) {
-  std::fill(sums, sums + static_cast<std::ptrdiff_t>(2 * kTile) * (end - begin), 0.0F);
+                                   const float* x, float* sums, float* totals) {
+  const int columns = (2 * (end - begin) + 3) / 4 * 4;
+  std::fill(sums, sums + static_cast<std::ptrdiff_t>(kTile) * columns, 0.0F);
   int tile = 0;
   for (; tile < tiles && kTile / 2 * (tile + 1) < pairs; ++tile) {
     const int own = kTile / 2 * (tile + 1);
@@ -127,12 +146,15 @@ TANDEM_INLINE void transposed_body(const int* words, int pairs, int tiles, int b
     add_transposed<Registers, 1>(words, stride, end - begin, x + tile * kTile, sums);
     words += stride;
   }
+  for (int k = 0; k < columns; k += 4) {
+    sum_lanes(sums + static_cast<std::ptrdiff_t>(k) * kTile, totals + k);
+  }
 }
 
 TANDEM_REGISTER_FUNCTION(transposed_panel, transposed_body,
                          (const int* words, int pairs, int tiles, int begin, int end,
-                          const float* x, float* sums),
-                         (words, pairs, tiles, begin, end, x, sums))
+                          const float* x, float* sums, float* totals),
+                         (words, pairs, tiles, begin, end, x, sums, totals))
 
 }  // namespace
 
@@ -192,13 +214,16 @@ void FactorPanels::multiply(const Panel& panel, const float* scaled, int begin, 
 
 void FactorPanels::multiply_transposed(const Panel& panel, const float* x, int begin, int end,
                                        float* out) const {
-  alignas(64) float sums[2 * kPairs * kTile];
+  // Two columns more: the last four may be two.
+  alignas(64) float sums[2 * (kPairs + 1) * kTile];
+  float totals[2 * (kPairs + 1)];
   const float* factor = scale_.data() + panel.scale;
   for (int from = begin; from < end; from += kPairs) {
     const int to = std::min(from + kPairs, end);
-    transposed_panel(word_.data() + panel.word, panel.pairs(), panel.tiles(), from, to, x, sums);
+    transposed_panel(word_.data() + panel.word, panel.pairs(), panel.tiles(), from, to, x, sums,
+                     totals);
     for (int k = 2 * from; k < std::min(2 * to, panel.columns); ++k) {
-      out[k] = factor[k] * sum_lanes(sums + static_cast<std::ptrdiff_t>(k - 2 * from) * kTile);
+      out[k] = factor[k] * totals[k - 2 * from];
     }
   }
 }

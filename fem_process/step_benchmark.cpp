@@ -1,5 +1,7 @@
 #include "fem_process/step_benchmark.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,6 +13,11 @@ namespace tandem::fem {
 namespace {
 
 constexpr int kKeepEvery = 20;
+
+std::size_t heap_bytes() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
 
 double farthest(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   double most = 0.0;
@@ -55,6 +62,7 @@ Params benchmark_params(const BenchmarkCase& which, const std::filesystem::path&
 
 StepBenchmark run_benchmark(const Params& params, int steps) {
   StepBenchmark run;
+  const std::size_t heap_before = heap_bytes();
   const double start_s = now_s();
   const Model model(params);
   const TransientStep step(model, {});
@@ -68,6 +76,7 @@ StepBenchmark run_benchmark(const Params& params, int steps) {
   run.elements = static_cast<int>(model.mesh.tets.size());
   const Eigen::VectorXd X = model.reference();
   Linearisation kept;
+  run.step_s.reserve(static_cast<std::size_t>(steps));
   for (int n = 1; n <= steps; ++n) {
     state.generation = static_cast<std::uint64_t>(n);
     const double begin_s = now_s();
@@ -83,6 +92,8 @@ StepBenchmark run_benchmark(const Params& params, int steps) {
     run.times.factorize_s += result.times.factorize_s;
     run.times.solve_s += result.times.solve_s;
     state = std::move(result.state);
+    run.inverted_elements = std::max(run.inverted_elements, state.inverted_elements);
+    if (n == 1) run.memory_bytes = heap_bytes() - heap_before;
     if (n % kKeepEvery != 0) continue;
     run.kept.push_back(state.x);
     run.displacement_max_m = std::max(run.displacement_max_m, farthest(state.x, X));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ struct StepBenchmark {
   StepTimes times;             ///< sums over the steps
   double iterations_mean = 0.0;
   int not_converged = 0;
+  int inverted_elements = 0;          ///< most in any step
+  std::size_t memory_bytes = 0;       ///< on the heap for the model, the solver and the state
   std::vector<Eigen::VectorXd> kept;  ///< positions after every 20th step (m)
   double displacement_max_m = 0.0;    ///< of any node, over `kept`
 };
