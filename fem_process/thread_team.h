@@ -26,7 +26,7 @@ class ThreadTeam {
   /// thread begins with its own share of neighbouring parts and then helps the others.
   template <class Work>
   void run(int parts, const Work& work) {
-    if (!helpers_ || parts < 2) {
+    if (!helpers_ || parts < kWorthSharing) {
       for (int k = 0; k < parts; ++k) work(k);
       return;
     }
@@ -45,6 +45,8 @@ class ThreadTeam {
   }
 
  private:
+  /// Calling the helpers costs a microsecond or two: as much as a few parts.
+  static constexpr int kWorthSharing = 4;
   using Call = void (*)(const void* work, int part);
   void share(int parts, Call call, const void* work);
 
