@@ -78,9 +78,14 @@ class QuasiNewton final : public Accelerator {
   void extend(const Column& column, Basis& basis) const;
   void learn_jacobian();
 
+  /// Evaluations of a macro step after which everything learnt is forgotten: columns that are
+  /// differences of round-off, or too old, can keep an iteration from converging.
+  static constexpr std::int32_t kPatience = 15;
+
   Kind kind_;
   std::int32_t reused_steps_;
   double filter_, first_factor_;
+  std::int32_t evaluations_ = 0;  ///< in this macro step
   Eigen::VectorXd weights_, x_, r_;
   Columns current_;
   std::vector<Columns> past_;  ///< accepted macro steps, oldest first

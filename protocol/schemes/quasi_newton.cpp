@@ -12,12 +12,18 @@ void QuasiNewton::begin_step(const Eigen::VectorXd& weights, bool last_accepted)
     if (past_.size() > static_cast<std::size_t>(reused_steps_)) past_.erase(past_.begin());
   }
   current_.clear();
+  evaluations_ = 0;
   weights_ = weights;
   r_.resize(0);
 }
 
 void QuasiNewton::observe(const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
-  if (r_.size() > 0) current_.push_back({.dr = r - r_, .dx = x + r - (x_ + r_)});
+  if (++evaluations_ % kPatience == 0) {
+    current_.clear();
+    past_.clear();
+    jacobian_.resize(0, 0);
+  } else if (r_.size() > 0)
+    current_.push_back({.dr = r - r_, .dx = x + r - (x_ + r_)});
   x_ = x;
   r_ = r;
 }
