@@ -20,6 +20,11 @@ struct SupernodalFactor {
   [[nodiscard]] int supernodes() const { return static_cast<int>(first_column.size()) - 1; }
 };
 
+/// Order of elimination of a pattern's nodes by nested dissection (CHOLMOD with METIS): little
+/// fill, and an elimination tree with branches of like size. Minimum degree where CHOLMOD was built
+/// without METIS. Throws a Usage error when neither works.
+[[nodiscard]] std::vector<int> fill_reducing_order(const BlockPattern& pattern);
+
 /// Supernodal sparse Cholesky factorisation by CHOLMOD [Chen, Davis, Hager, Rajamanickam 2008]; the
 /// symbolic analysis is made once, in the constructor, in the order of fill_reducing_order(). One
 /// thread whatever the user's environment
