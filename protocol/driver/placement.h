@@ -17,6 +17,7 @@ enum class Placement {
 /// those that it may use now. The processes that alternate are the driver and the sides it calls:
 ///   same    all of them on one core; an orchestrator that only records on the others
 ///   cross   the driver on one core, the sides it calls on another
+/// An orchestrator that only records and finds no other core takes what they leave: lower priority.
 /// `run_id` picks the cores, so that runs at the same time spread. Throws tandem::Error (Usage)
 /// when Cross finds one core only.
 void place_process(Placement placement, wire::Process self, wire::Process driver,

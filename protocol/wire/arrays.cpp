@@ -1,6 +1,7 @@
 #include "protocol/wire/arrays.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -29,9 +30,18 @@ const std::uint8_t* get(const std::uint8_t* at, double* values, std::size_t coun
   return at + 8 * count;
 }
 
-template <class Coefficients>
-bool same(const Coefficients& a, const Coefficients& b) {
-  return std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())) == 0;
+/// Writes each element to a small buffer and compares that: ends at the first difference.
+template <std::size_t kSize, class Element>
+bool same(std::span<const Element> elements, ByteView written) {
+  if (written.size() != kSize * elements.size()) return false;
+  std::array<std::uint8_t, kSize> bytes{};
+  const std::uint8_t* at = written.data();
+  for (const Element& element : elements) {
+    ArrayWriter(bytes.data()).add(std::span(&element, 1));
+    if (std::memcmp(bytes.data(), at, kSize) != 0) return false;
+    at += kSize;
+  }
+  return true;
 }
 
 }  // namespace
@@ -99,17 +109,12 @@ ArrayReader& ArrayReader::take(std::size_t count, std::string& text) {
   return *this;
 }
 
-bool same_bits(std::span<const Motion> a, std::span<const Motion> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Motion& x, const Motion& y) {
-    return same(x.p_WP, y.p_WP) && same(x.q_WP.coeffs(), y.q_WP.coeffs()) && same(x.v_WP, y.v_WP) &&
-           same(x.w_WP, y.w_WP);
-  });
+bool same_bits(std::span<const Motion> motions, ByteView written) {
+  return same<kMotionBytes>(motions, written);
 }
 
-bool same_bits(std::span<const Wrench> a, std::span<const Wrench> b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Wrench& x, const Wrench& y) {
-    return same(x.f_P_W, y.f_P_W) && same(x.t_P_W, y.t_P_W);
-  });
+bool same_bits(std::span<const Wrench> wrenches, ByteView written) {
+  return same<kWrenchBytes>(wrenches, written);
 }
 
 }  // namespace tandem::wire

@@ -42,8 +42,8 @@ class ArrayReader {
   const std::uint8_t* at_;
 };
 
-/// Whether both hold the same bits (−0 differs from 0, a NaN equals itself).
-[[nodiscard]] bool same_bits(std::span<const Motion> a, std::span<const Motion> b);
-[[nodiscard]] bool same_bits(std::span<const Wrench> a, std::span<const Wrench> b);
+/// Whether the array as it was written holds these bits (−0 differs from 0, a NaN equals itself).
+[[nodiscard]] bool same_bits(std::span<const Motion> motions, ByteView written);
+[[nodiscard]] bool same_bits(std::span<const Wrench> wrenches, ByteView written);
 
 }  // namespace tandem::wire

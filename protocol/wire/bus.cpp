@@ -49,7 +49,7 @@ struct Bus::State {
   [[nodiscard]] const std::string& channel(Process topic, Kind kind) const {
     return channels[static_cast<std::size_t>(topic)][static_cast<std::size_t>(kind)];
   }
-  void send(const std::string& channel, const Bytes& message);
+  void send(const std::string& channel, ByteView message);
   void handle(const Datagram& incoming);
   void handle_chunk(std::string_view channel, ByteView message);
   void dispatch(const Header& header, std::string_view channel, ByteView message);
@@ -142,7 +142,7 @@ Header Bus::header(Kind kind, std::int64_t sequence) const {
   return header;
 }
 
-void Bus::State::send(const std::string& channel, const Bytes& message) {
+void Bus::State::send(const std::string& channel, ByteView message) {
   const auto size = static_cast<unsigned>(message.size());
   int result = -1;
   do {
@@ -165,7 +165,7 @@ Sent Bus::publish(Process topic, Kind kind, Bytes& message, std::int32_t attempt
     return {1, static_cast<std::int64_t>(message.size())};
   }
   Sent sent;
-  cut(message, attempt, [&](const Bytes& part) {
+  cut(message, attempt, [&](ByteView part) {
     state_->send(state_->channel(topic, kind), part);
     ++sent.messages;
     sent.bytes += static_cast<std::int64_t>(part.size());

@@ -1,6 +1,7 @@
 #include "protocol/wire/chunks.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "protocol/wire/crc32.h"
@@ -13,7 +14,23 @@ constexpr std::size_t kMaxMessage = 64U << 20U;
 
 }  // namespace
 
-void cut(Bytes& message, std::int32_t attempt, const std::function<void(const Bytes&)>& send) {
+namespace {
+
+/// CRC-32 of each part and of the whole.
+std::vector<std::uint32_t> checksums_of(ByteView message, std::uint32_t& whole) {
+  std::vector<std::uint32_t> parts;
+  whole = 0;
+  for (std::size_t begin = 0; begin < message.size(); begin += kChunkData) {
+    const std::size_t size = std::min(kChunkData, message.size() - begin);
+    parts.push_back(crc32(0, message.subspan(begin, size)));
+    whole = crc32_joined(whole, parts.back(), size);
+  }
+  return parts;
+}
+
+}  // namespace
+
+void cut(Bytes& message, std::int32_t attempt, const std::function<void(ByteView)>& send) {
   require(message.size() >= kHeaderEnd && message.size() <= kMaxMessage,
           "wire: a message of " + std::to_string(message.size()) +
               " bytes cannot be sent: it is larger than 64 MiB");
@@ -22,15 +39,28 @@ void cut(Bytes& message, std::int32_t attempt, const std::function<void(const By
   chunk.whole_kind = chunk.header.kind;
   chunk.header.kind = Kind::Chunk;
   chunk.whole_bytes = static_cast<std::int32_t>(message.size());
-  chunk.count = static_cast<std::int32_t>((message.size() + kChunkData - 1) / kChunkData);
   set_checksum(message, 0);
-  chunk.whole_checksum = crc32(0, message);
-  thread_local Bytes part;
-  for (std::size_t begin = 0; begin < message.size(); begin += kChunkData) {
-    chunk.bytes = ByteView(message).subspan(begin, std::min(kChunkData, message.size() - begin));
-    encode(chunk, part);
-    seal(part, attempt);
-    send(part);
+  const std::vector<std::uint32_t> checksums = checksums_of(message, chunk.whole_checksum);
+  chunk.count = static_cast<std::int32_t>(checksums.size());
+  std::array<std::uint8_t, kChunkHead> head{};
+  std::array<std::uint8_t, kChunkHead> covered{};
+  for (const std::uint32_t checksum : checksums) {
+    const std::size_t begin = static_cast<std::size_t>(chunk.index) * kChunkData;
+    const std::size_t size = std::min(kChunkData, message.size() - begin);
+    encode_head(chunk, size, head);
+    seal(head, attempt, checksum, size);
+    if (begin == 0) {
+      Bytes first(head.begin(), head.end());
+      first.insert(first.end(), message.begin(),
+                   message.begin() + static_cast<std::ptrdiff_t>(size));
+      send(first);
+    } else {
+      std::uint8_t* at = message.data() + begin - kChunkHead;
+      std::copy_n(at, kChunkHead, covered.begin());
+      std::copy_n(head.begin(), kChunkHead, at);
+      send({at, kChunkHead + size});
+      std::copy_n(covered.begin(), kChunkHead, at);
+    }
     ++chunk.index;
   }
 }

@@ -15,8 +15,9 @@ inline constexpr std::size_t kMaxWhole = 60000;
 
 /// Cuts an encoded message into sealed chunk messages of at most kMaxWhole bytes each and hands
 /// each to `send`. Cutting the same message again gives the same bytes but for `attempt`. The
-/// message's own checksum is written into each chunk and is zero in the message itself.
-void cut(Bytes& message, std::int32_t attempt, const std::function<void(const Bytes&)>& send);
+/// message's own checksum is written into each chunk and is zero in the message itself. A part is
+/// sent from where it lies in the message, behind a header that stands there meanwhile.
+void cut(Bytes& message, std::int32_t attempt, const std::function<void(ByteView)>& send);
 
 /// Puts chunks together again, in any order, repeated or interleaved with those of other messages.
 /// Chunks of a repetition of the same message complete each other. Memory is bounded: messages of

@@ -1,14 +1,6 @@
 #include "protocol/wire/codec.h"
 
 namespace tandem::wire::codec {
-std::size_t count_at(ByteView message, std::size_t n) {
-  std::uint32_t number = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    number = (number << 8U) | message[kHeaderEnd + 4 * n + i];
-  }
-  return number;
-}
-
 bool size_fits(ByteView message, std::size_t fixed_bytes,
                std::initializer_list<std::size_t> element_bytes) {
   if (message.size() < kHeaderEnd + 4 * element_bytes.size()) return false;

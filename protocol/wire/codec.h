@@ -28,22 +28,38 @@ struct Array {
   std::size_t element_bytes = 1;
 };
 
-/// Writes the fixed part of a message through lcm-gen's code and the counts, and makes room for the
-/// arrays, which all stand at its end. `fixed` has no arrays and counts of zero.
+/// 32 bits, big endian.
+inline void write_word(std::size_t value, std::uint8_t* at) {
+  for (unsigned i = 0; i < 4; ++i) at[i] = static_cast<std::uint8_t>(value >> (24U - 8U * i));
+}
+inline std::size_t read_word(const std::uint8_t* at) {
+  std::uint32_t word = 0;
+  for (int i = 0; i < 4; ++i) word = (word << 8U) | at[i];
+  return word;
+}
+
+/// The counts stand directly behind the header.
+inline void write_counts(std::initializer_list<Array> arrays, std::uint8_t* message) {
+  std::uint8_t* at = message + kHeaderEnd;
+  for (const Array& array : arrays) {
+    write_word(array.count, at);
+    at += 4;
+  }
+}
+
+/// Writes the fixed part of a message through lcm-gen's code and the counts at offset `at`, and
+/// makes room for the arrays, which all stand at the message's end; what was behind `at` is lost.
+/// `fixed` has no arrays and counts of zero.
 template <class T>
-ArrayWriter begin(const T& fixed, std::initializer_list<Array> arrays, Bytes& message) {
+ArrayWriter begin(const T& fixed, std::initializer_list<Array> arrays, Bytes& to,
+                  std::size_t at = 0) {
   const auto fixed_bytes = static_cast<std::size_t>(fixed.getEncodedSize());
   std::size_t size = fixed_bytes;
   for (const Array& array : arrays) size += array.count * array.element_bytes;
-  message.resize(size);
-  fixed.encode(message.data(), 0, static_cast<int>(fixed_bytes));
-  std::uint8_t* at = message.data() + kHeaderEnd;
-  for (const Array& array : arrays) {
-    for (int shift = 24; shift >= 0; shift -= 8) {
-      *at++ = static_cast<std::uint8_t>(array.count >> static_cast<unsigned>(shift));
-    }
-  }
-  return ArrayWriter(message.data() + fixed_bytes);
+  to.resize(at + size);
+  fixed.encode(to.data() + at, 0, static_cast<int>(fixed_bytes));
+  write_counts(arrays, to.data() + at);
+  return ArrayWriter(to.data() + at + fixed_bytes);
 }
 
 /// Reads the fixed part of a message whose arrays all stand at its end; nothing when it is of
@@ -65,7 +81,9 @@ std::optional<T> fixed_part(ByteView message, std::initializer_list<std::size_t>
 }
 
 /// The n-th count behind the header.
-std::size_t count_at(ByteView message, std::size_t n);
+inline std::size_t count_at(ByteView message, std::size_t n) {
+  return read_word(message.data() + kHeaderEnd + 4 * n);
+}
 
 /// Where the arrays begin.
 template <class T>

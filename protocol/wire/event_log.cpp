@@ -9,6 +9,7 @@
 #include <cstring>
 #include <iterator>
 #include <string_view>
+#include <type_traits>
 
 #include "protocol/contract/error.h"
 
@@ -79,17 +80,21 @@ void LogWriter::event(Process topic, Kind kind, const Record& record) {
   header.kind = kind;
   header.sender = Process::Orchestrator;
   header.time_us = wall_clock_us();
-  Bytes message = encode(header, record);
-  seal(message);
+  if constexpr (std::is_same_v<Record, CallRecord>) {
+    encode(header, record, message_);  // the large ones
+  } else {
+    message_ = encode(header, record);
+  }
+  seal(message_);
   std::string channel = channel_of(run_id_, topic, kind);
   lcm_eventlog_event_t event{};
   event.timestamp = header.time_us;
   event.channellen = static_cast<std::int32_t>(channel.size());
-  event.datalen = static_cast<std::int32_t>(message.size());
+  event.datalen = static_cast<std::int32_t>(message_.size());
   event.channel = channel.data();
-  event.data = message.data();
+  event.data = message_.data();
   if (lcm_eventlog_write_event(file_->log, &event) != 0) fail();
-  bytes_ += static_cast<std::int64_t>(kEventHeader + channel.size() + message.size());
+  bytes_ += static_cast<std::int64_t>(kEventHeader + channel.size() + message_.size());
 }
 
 // liblcm writes through a buffered stream and flushes at the end only; a full disk shows here.

@@ -44,6 +44,7 @@ class LogWriter {
   std::unique_ptr<File> file_;
   std::string name_;
   std::uint64_t run_id_;
+  Bytes message_;  ///< of the event being written
   std::int64_t number_ = 0;
   std::int64_t bytes_ = 0;
 };

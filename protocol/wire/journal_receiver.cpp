@@ -29,9 +29,9 @@ std::optional<JournalReceiver::Entry> JournalReceiver::next(double timeout_s) {
     const bool arrived =
         monitor_.wait(ready_.empty() ? std::clamp(end_s - now_s(), 0.0, kGrantPause_s) : 0.0);
     if (!ready_.empty()) {
-      Entry entry = std::move(ready_.front());
+      Entry entry = std::move(ready_.front().entry);
+      open_ends_message_ = ready_.front().ends_message;
       ready_.pop_front();
-      ++handed_;
       return entry;
     }
     if (arrived) continue;
@@ -43,8 +43,10 @@ std::optional<JournalReceiver::Entry> JournalReceiver::next(double timeout_s) {
 }
 
 void JournalReceiver::recorded() {
-  recorded_ = handed_;
-  if (recorded_ - granted_ >= credit_every_ || (finished_ && ready_.empty())) grant();
+  ++steps_since_grant_;
+  if (!open_ends_message_) return;
+  ++recorded_;
+  if (steps_since_grant_ >= credit_every_ || (finished_ && ready_.empty())) grant();
 }
 
 void JournalReceiver::on_message(const Header& header, ByteView message) {
@@ -55,21 +57,34 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
     return;
   }
   if (ahead_.size() >= kMaxAhead) return;
-  std::optional<Entry> entry;
-  if (header.kind == Kind::Journal) {
-    if (auto journal = decode_journal(message)) entry = std::move(*journal);
-  } else if (auto finished = decode_finished(message)) {
-    entry = std::move(*finished);
-  }
-  if (!entry) return bus_.count_undecodable();
-  ahead_.emplace(header.sequence, std::move(*entry));
+  Message entries = decode(header.kind, message);
+  if (entries.empty()) return bus_.count_undecodable();
+  ahead_.emplace(header.sequence, std::move(entries));
   for (auto first = ahead_.begin(); first != ahead_.end() && first->first == arrived_ + 1;
        first = ahead_.erase(first)) {
     ++arrived_;
-    finished_ = finished_ || std::holds_alternative<Finished>(first->second);
-    ready_.push_back(std::move(first->second));
+    take_in(std::move(first->second));
   }
   if (!ahead_.empty()) ask_for_missing(now_s());
+}
+
+JournalReceiver::Message JournalReceiver::decode(Kind kind, ByteView message) {
+  Message entries;
+  if (kind == Kind::Journal) {
+    if (auto journals = decode_journal(message)) {
+      for (StepJournal& journal : *journals) entries.emplace_back(std::move(journal));
+    }
+  } else if (auto finished = decode_finished(message)) {
+    entries.emplace_back(std::move(*finished));
+  }
+  return entries;
+}
+
+void JournalReceiver::take_in(Message message) {
+  for (Entry& entry : message) {
+    finished_ = finished_ || std::holds_alternative<Finished>(entry);
+    ready_.push_back({std::move(entry), &entry == &message.back()});
+  }
 }
 
 void JournalReceiver::ask_for_missing(double time_s) {
@@ -83,6 +98,7 @@ void JournalReceiver::ask_for_missing(double time_s) {
 
 void JournalReceiver::grant() {
   granted_ = recorded_;
+  steps_since_grant_ = 0;
   granted_s_ = now_s();
   Bytes message = encode(Credit{bus_.header(Kind::Credit, ++credits_), recorded_, 0});
   bus_.publish(Process::Orchestrator, Kind::Credit, message);

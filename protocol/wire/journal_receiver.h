@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "protocol/wire/bus.h"
 #include "protocol/wire/liveness.h"
@@ -38,19 +39,29 @@ class JournalReceiver {
   [[nodiscard]] std::int64_t asked_again() const { return asked_again_; }
 
  private:
+  /// An entry, and whether it is the last one of its message.
+  struct Ready {
+    Entry entry;
+    bool ends_message = false;
+  };
+  using Message = std::vector<Entry>;
+
   void on_message(const Header& header, ByteView message);
+  [[nodiscard]] static Message decode(Kind kind, ByteView message);
+  void take_in(Message message);
   void ask_for_missing(double time_s);
   void grant();
 
   Bus& bus_;
   LivenessMonitor& monitor_;
   std::int64_t credit_every_;
-  std::int64_t arrived_ = 0;   ///< all up to this number have arrived
-  std::int64_t handed_ = 0;    ///< handed out by next()
+  std::int64_t arrived_ = 0;   ///< all messages up to this number have arrived
   std::int64_t recorded_ = 0;  ///< confirmed by recorded()
   std::int64_t granted_ = 0;   ///< told to the driver
-  std::deque<Entry> ready_;
-  std::map<std::int64_t, Entry> ahead_;  ///< arrived before an earlier one
+  std::int64_t steps_since_grant_ = 0;
+  bool open_ends_message_ = false;  ///< of the entry handed out last
+  std::deque<Ready> ready_;
+  std::map<std::int64_t, Message> ahead_;  ///< arrived before an earlier one
   double asked_s_ = 0.0;
   double granted_s_ = 0.0;
   std::int64_t credits_ = 0;

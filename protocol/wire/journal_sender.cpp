@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kFirstTimeout_s = 0.02;
 constexpr double kLastTimeout_s = 0.2;
+constexpr double kLongestStay_s = 0.005;
+constexpr std::size_t kLargestBatch = 30000;  // so that it and one step more fit one datagram
 
 }  // namespace
 
@@ -20,36 +22,75 @@ JournalSender::JournalSender(Bus& bus, LivenessMonitor& monitor, int window)
                            " macro steps lets no step be made. Give at least 1.");
   credits_ = bus_.subscribe(Process::Orchestrator, Kind::Credit,
                             [this](const Header&, ByteView message) { on_credit(message); });
+  monitor_.also_watch([this] {
+    if (now_s() - flushed_s_ > kLongestStay_s) flush();
+  });
+}
+
+JournalSender::~JournalSender() {
+  monitor_.also_watch({});
+  flush();
 }
 
 double JournalSender::send(const StepJournal& journal) {
-  // Credit that has come in meanwhile costs no waiting.
-  while (!pending_.empty() && monitor_.wait(0.0)) {
+  // Credit that has come in meanwhile costs no waiting; it need not be looked for in every step.
+  if (2 * open_steps_ >= window_) {
+    while (monitor_.wait(0.0)) {
+    }
   }
   const double begin_s = now_s();
-  if (pending_.size() >= window_) wait_until_open(window_ - 1);
-  const double blocked_s = now_s() - begin_s;
-  const std::int64_t number = recorded_ + static_cast<std::int64_t>(pending_.size()) + 1;
-  push(Kind::Journal, encode(bus_.header(Kind::Journal, number), journal));
-  return blocked_s;
+  if (open_steps_ >= window_) {
+    flush();
+    wait_until_open(window_ - 1);
+  }
+  const double time_s = now_s();
+  if (batch_.steps == 0) {
+    batch_.message = std::move(spare_);
+    begin_journal(batch_.message);
+  }
+  append(journal, batch_.message);
+  ++batch_.steps;
+  ++open_steps_;
+  macro_step_ = journal.step.macro_step;
+  if (8 * batch_.steps >= window_ || batch_.message.size() > kLargestBatch ||
+      time_s - flushed_s_ > kLongestStay_s) {
+    flush();
+  }
+  return time_s - begin_s;
 }
 
 void JournalSender::finish(const Finished& finished) {
-  const std::int64_t number = recorded_ + static_cast<std::int64_t>(pending_.size()) + 1;
-  push(Kind::Finished, encode(bus_.header(Kind::Finished, number), finished));
+  flush();
+  push({.kind = Kind::Finished,
+        .message = encode(bus_.header(Kind::Finished, next_number()), finished)});
   wait_until_open(0);
 }
 
-void JournalSender::push(Kind kind, Bytes message) {
-  Pending& pending = pending_.emplace_back(Pending{kind, std::move(message)});
-  bus_.publish(Process::Orchestrator, kind, pending.message);
+std::int64_t JournalSender::next_number() const {
+  return recorded_ + static_cast<std::int64_t>(pending_.size()) + 1;
 }
 
-void JournalSender::wait_until_open(std::size_t limit) {
+void JournalSender::flush() {
+  flushed_s_ = now_s();
+  if (batch_.steps == 0) return;
+  Header header = bus_.header(Kind::Journal, next_number());
+  header.macro_step = macro_step_;
+  end_journal(header, batch_.message);
+  batch_.kind = Kind::Journal;
+  push(std::exchange(batch_, {}));
+}
+
+void JournalSender::push(Pending pending) {
+  Pending& last = pending_.emplace_back(std::move(pending));
+  bus_.publish(Process::Orchestrator, last.kind, last.message);
+}
+
+void JournalSender::wait_until_open(std::size_t steps) {
   double timeout_s = kFirstTimeout_s;
   double resend_s = now_s() + timeout_s;
   std::int64_t recorded = recorded_;
-  while (pending_.size() > limit) {
+  // The last message of a run carries no step.
+  while (open_steps_ > steps || (steps == 0 && !pending_.empty())) {
     monitor_.wait(std::max(0.0, resend_s - now_s()));
     if (recorded_ > recorded) {
       recorded = recorded_;
@@ -77,6 +118,8 @@ void JournalSender::on_credit(ByteView message) {
   const auto credit = decode_credit(message);
   if (!credit) return bus_.count_undecodable();
   while (recorded_ < credit->recorded_through && !pending_.empty()) {
+    open_steps_ -= pending_.front().steps;
+    spare_ = std::move(pending_.front().message);
     pending_.pop_front();
     ++recorded_;
   }

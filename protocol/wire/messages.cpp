@@ -262,7 +262,7 @@ std::optional<Credit> decode_credit(ByteView message) {
   return Credit{unpack(packed->header), packed->recorded_through, packed->wanted};
 }
 
-void encode(const Chunk& chunk, Bytes& message) {
+void encode_head(const Chunk& chunk, std::size_t size, std::span<std::uint8_t, kChunkHead> head) {
   tandem_wire::chunk_t fixed{};
   fixed.header = pack(chunk.header);
   fixed.whole_kind = static_cast<std::int32_t>(chunk.whole_kind);
@@ -270,8 +270,8 @@ void encode(const Chunk& chunk, Bytes& message) {
   fixed.whole_bytes = chunk.whole_bytes;
   fixed.index = chunk.index;
   fixed.count = chunk.count;
-  codec::begin(fixed, {{chunk.bytes.size(), 1}}, message)
-      .add({reinterpret_cast<const char*>(chunk.bytes.data()), chunk.bytes.size()});
+  fixed.encode(head.data(), 0, static_cast<int>(head.size()));
+  codec::write_counts({{size, 1}}, head.data());
 }
 
 std::optional<Chunk> decode_chunk(ByteView message) {

@@ -26,7 +26,7 @@ enum class RequestKind : std::int32_t {
 /// One call to a side. Which of motions and wrenches is filled depends on the side.
 ///
 /// An advance whose segment begins where the last accepted one ended has an empty `begin`: both
-/// ends keep that value (see SegmentMemory), so it need not travel again.
+/// ends keep that value, so it need not travel again.
 struct Request {
   Header header;
   RequestKind call = RequestKind::Observe;
@@ -138,15 +138,34 @@ void encode(const Reply& reply, Bytes& message);
 [[nodiscard]] Bytes encode(const Alive& alive);
 [[nodiscard]] Bytes encode(const Abort& abort);
 [[nodiscard]] Bytes encode(const Credit& credit);
-void encode(const Chunk& chunk, Bytes& message);
+/// What stands before the bytes of a chunk; `size` of them follow.
+inline constexpr std::size_t kChunkHead = kHeaderEnd + 6 * 4;
+void encode_head(const Chunk& chunk, std::size_t size, std::span<std::uint8_t, kChunkHead> head);
 [[nodiscard]] Bytes encode(const Control& control);
 [[nodiscard]] Bytes encode(const Controlled& controlled);
 /// Messages of the journal: macro step and iteration of the header are those of the record.
-[[nodiscard]] Bytes encode(const Header& header, const CallRecord& call);
+void encode(const Header& header, const CallRecord& call, Bytes& message);
+/// A journal message carries any number of macro steps: begin, append each, end with the header.
+void begin_journal(Bytes& message);
+void append(const StepJournal& journal, Bytes& message);
+void end_journal(const Header& header, Bytes& message);
 [[nodiscard]] Bytes encode(const Header& header, const StepRecord& step);
-[[nodiscard]] Bytes encode(const Header& header, const StepJournal& journal);
 [[nodiscard]] Bytes encode(const Header& header, const Finished& finished);
 [[nodiscard]] Bytes encode(const Header& header, const ScenarioText& scenario);
+
+/// Into memory of their own: for single messages and tests.
+[[nodiscard]] inline Bytes encode(const Header& header, const CallRecord& call) {
+  Bytes message;
+  encode(header, call, message);
+  return message;
+}
+[[nodiscard]] inline Bytes encode(const Header& header, const StepJournal& journal) {
+  Bytes message;
+  begin_journal(message);
+  append(journal, message);
+  end_journal(header, message);
+  return message;
+}
 
 /// Decoding of a message whose seal was good. Nothing when the fingerprint is that of another
 /// schema, when the lengths it states do not add up to its size, or a value is outside its range.
@@ -164,7 +183,7 @@ void encode(const Chunk& chunk, Bytes& message);
 [[nodiscard]] std::optional<Controlled> decode_controlled(ByteView message);
 [[nodiscard]] std::optional<CallRecord> decode_call(ByteView message);
 [[nodiscard]] std::optional<StepRecord> decode_step(ByteView message);
-[[nodiscard]] std::optional<StepJournal> decode_journal(ByteView message);
+[[nodiscard]] std::optional<std::vector<StepJournal>> decode_journal(ByteView message);
 [[nodiscard]] std::optional<Finished> decode_finished(ByteView message);
 [[nodiscard]] std::optional<ScenarioText> decode_scenario(ByteView message);
 

@@ -3,6 +3,7 @@
 #include <tandem_wire/journal_t.hpp>
 #include <tandem_wire/scenario_t.hpp>
 #include <tandem_wire/step_t.hpp>
+#include <utility>
 
 #include "protocol/wire/codec.h"
 #include "protocol/wire/messages.h"
@@ -17,7 +18,11 @@ using codec::pack;
 using codec::to_bytes;
 using codec::unpack;
 
-Bytes encode(const Header& header, const CallRecord& call) {
+namespace {
+
+constexpr std::size_t kSizeBytes = 4;
+
+void append(const Header& header, const CallRecord& call, Bytes& to) {
   tandem_wire::call_t fixed{};
   fixed.header = pack(header);
   fixed.header.macro_step = call.macro_step;
@@ -31,7 +36,6 @@ Bytes encode(const Header& header, const CallRecord& call) {
   fixed.step_ns = call.step.count();
   fixed.outcome = static_cast<std::int32_t>(call.outcome);
   fixed.solver_iterations = call.solver_iterations;
-  Bytes message;
   codec::begin(fixed,
                {{call.motions.begin.size(), kMotionBytes},
                 {call.motions.end.size(), kMotionBytes},
@@ -39,14 +43,20 @@ Bytes encode(const Header& header, const CallRecord& call) {
                 {call.wrenches.end.size(), kWrenchBytes},
                 {call.message.size(), 1},
                 {call.command.size(), 1}},
-               message)
+               to, to.size())
       .add(call.motions.begin)
       .add(call.motions.end)
       .add(call.wrenches.begin)
       .add(call.wrenches.end)
       .add(std::span<const char>(call.message))
       .add(std::span<const char>(call.command));
-  return message;
+}
+
+}  // namespace
+
+void encode(const Header& header, const CallRecord& call, Bytes& message) {
+  message.clear();
+  append(header, call, message);
 }
 
 std::optional<CallRecord> decode_call(ByteView message) {
@@ -144,38 +154,63 @@ std::optional<StepRecord> decode_step(ByteView message) {
   return step;
 }
 
-Bytes encode(const Header& header, const StepJournal& journal) {
-  tandem_wire::journal_t packed;
-  packed.header = pack(header);
-  packed.header.macro_step = journal.step.macro_step;
-  for (const CallRecord& call : journal.calls) {
-    const Bytes bytes = encode(header, call);
-    packed.call_bytes.push_back(count(bytes));
-    packed.bytes.insert(packed.bytes.end(), bytes.begin(), bytes.end());
-  }
-  const Bytes step = encode(header, journal.step);
-  packed.bytes.insert(packed.bytes.end(), step.begin(), step.end());
-  packed.n_calls = count(packed.call_bytes);
-  packed.n_bytes = count(packed.bytes);
-  return to_bytes(packed);
+namespace {
+
+/// Appends one event behind its size.
+template <class Write>
+void append_sized(Bytes& message, Write write) {
+  const std::size_t at = message.size();
+  message.resize(at + kSizeBytes);
+  write();
+  codec::write_word(message.size() - at - kSizeBytes, message.data() + at);
 }
 
-std::optional<StepJournal> decode_journal(ByteView message) {
-  const auto packed = from_bytes(message, tandem_wire::journal_t{}, {4, 1});
-  if (!packed) return std::nullopt;
-  StepJournal journal;
-  ByteView rest(packed->bytes);
-  for (const std::int32_t size : packed->call_bytes) {
-    if (size < 0 || static_cast<std::size_t>(size) > rest.size()) return std::nullopt;
-    const auto call = decode_call(rest.first(static_cast<std::size_t>(size)));
-    if (!call) return std::nullopt;
-    journal.calls.push_back(*call);
-    rest = rest.subspan(static_cast<std::size_t>(size));
+}  // namespace
+
+void begin_journal(Bytes& message) { codec::begin(tandem_wire::journal_t{}, {{0, 1}}, message); }
+
+void append(const StepJournal& journal, Bytes& message) {
+  const Header none;
+  for (const CallRecord& call : journal.calls) {
+    append_sized(message, [&] { append(none, call, message); });
   }
-  const auto step = decode_step(rest);
-  if (!step) return std::nullopt;
-  journal.step = *step;
-  return journal;
+  append_sized(message, [&] {
+    const Bytes step = encode(none, journal.step);
+    message.insert(message.end(), step.begin(), step.end());
+  });
+}
+
+void end_journal(const Header& header, Bytes& message) {
+  tandem_wire::journal_t fixed{};
+  fixed.header = pack(header);
+  const auto fixed_bytes = static_cast<std::size_t>(fixed.getEncodedSize());
+  fixed.encode(message.data(), 0, static_cast<int>(fixed_bytes));
+  codec::write_counts({{message.size() - fixed_bytes, 1}}, message.data());
+}
+
+std::optional<std::vector<StepJournal>> decode_journal(ByteView message) {
+  const auto fixed = codec::fixed_part<tandem_wire::journal_t>(message, {1});
+  if (!fixed) return std::nullopt;
+  std::vector<StepJournal> journals;
+  StepJournal open;
+  ByteView rest = message.last(count_at(message, 0));
+  while (rest.size() >= kSizeBytes) {
+    const std::size_t size = codec::read_word(rest.data());
+    rest = rest.subspan(kSizeBytes);
+    if (size > rest.size()) return std::nullopt;
+    const ByteView event = rest.first(size);
+    rest = rest.subspan(size);
+    if (auto call = decode_call(event)) {
+      open.calls.push_back(std::move(*call));
+    } else if (const auto step = decode_step(event)) {
+      open.step = *step;
+      journals.push_back(std::exchange(open, {}));
+    } else {
+      return std::nullopt;
+    }
+  }
+  if (!rest.empty() || !open.calls.empty() || journals.empty()) return std::nullopt;
+  return journals;
 }
 
 Bytes encode(const Header& header, const Finished& finished) {

@@ -140,6 +140,13 @@ void RemoteLink::begin(const RequestView& request) {
   header.iteration = given.iteration;
   const double encode_s = now_s();
   encode(request, request_);
+  given_bytes_ =
+      request.motions_end.size() * kMotionBytes + request.wrenches_end.size() * kWrenchBytes;
+  if (request.head.call == RequestKind::Initialize || request.head.call == RequestKind::Advance) {
+    given_ = Given::Here;
+  } else if (given_ == Given::Here) {
+    given_ = Given::Lost;
+  }
   begin_s_ = now_s();
   open_cost_.encode_s = begin_s_ - encode_s;
   monitor_.set_macro_step(macro_step_);
@@ -167,6 +174,12 @@ Reply& RemoteLink::finish(CallCost& cost) {
     throw Error(*reply_.error, (named ? "" : name) + reply_.message);
   }
   return reply_;
+}
+
+void RemoteLink::accept_input() {
+  if (given_ == Given::Here) std::swap(request_, accepted_);
+  if (given_ != Given::Nothing) accepted_bytes_ = given_ == Given::Here ? given_bytes_ : 0;
+  given_ = Given::Nothing;
 }
 
 void RemoteLink::bye() {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "protocol/wire/arrays.h"
 #include "protocol/wire/bus.h"
 #include "protocol/wire/liveness.h"
 #include "protocol/wire/messages.h"
@@ -42,6 +43,15 @@ class RemoteLink {
   void begin(const RequestView& request);
   Reply& finish(CallCost& cost);
 
+  /// Checkpoint: the input given last is the accepted one.
+  void accept_input();
+
+  /// Whether `begin` has the bits of the accepted input, which the side still has.
+  template <class In>
+  [[nodiscard]] bool is_accepted(const In& begin) const {
+    return !begin.empty() && same_bits(begin, ByteView(accepted_).last(accepted_bytes_));
+  }
+
   /// Ends the side's server.
   void bye();
 
@@ -62,6 +72,11 @@ class RemoteLink {
   std::int64_t macro_step_ = 0;
   CallCost open_cost_;           ///< of the call in progress
   double begin_s_ = 0.0;         ///< when it was first sent
+  enum class Given { Nothing, Here, Lost };
+  Bytes accepted_;                  ///< message that ends with the accepted input
+  std::size_t accepted_bytes_ = 0;  ///< of that input; 0 = not known
+  Given given_ = Given::Nothing;    ///< the input since: is it still in request_?
+  std::size_t given_bytes_ = 0;
   Bytes request_;                ///< encoded; its memory serves every call
   Reply reply_;                  ///< of sequence_, once it is here
   std::size_t reply_bytes_ = 0;  ///< 0 while the call is open

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "protocol/wire/remote_link.h"
-#include "protocol/wire/segment_memory.h"
 
 namespace tandem::wire {
 
@@ -28,7 +27,6 @@ class RemoteSide final : public Subsystem<In, Out> {
 
   Out initialize(const In& input) override {
     Request head = make(RequestKind::Initialize);
-    memory_.given(input);
     CallCost cost;
     return outputs(link_.call(view(head, {}, input), cost));
   }
@@ -44,8 +42,7 @@ class RemoteSide final : public Subsystem<In, Out> {
     head.step = step.step;
     head.linearize = step.linearize;
     // Where the last accepted segment ended: the side still has it.
-    const bool known = memory_.is_accepted(step.input.begin);
-    memory_.given(step.input.end);
+    const bool known = link_.is_accepted(step.input.begin);
     link_.begin(view(head, known ? none() : step.input.begin, step.input.end));
   }
 
@@ -72,7 +69,7 @@ class RemoteSide final : public Subsystem<In, Out> {
 
   void checkpoint() override {
     checkpoint_first_ = true;
-    memory_.accept();
+    link_.accept_input();
     ++macro_step_;
     iteration_ = 0;
   }
@@ -126,7 +123,6 @@ class RemoteSide final : public Subsystem<In, Out> {
   SubsystemInfo info_;
   bool checkpoint_first_ = false;
   bool rollback_first_ = false;
-  SegmentMemory<In> memory_;
   std::int64_t macro_step_ = 0;
   std::int32_t iteration_ = 0;
 };

@@ -25,7 +25,7 @@ Word read_word(ByteView message, std::size_t offset) {
 }
 
 template <class Word>
-void write_word(Bytes& message, std::size_t offset, Word word) {
+void write_word(std::span<std::uint8_t> message, std::size_t offset, Word word) {
   for (std::size_t i = 0; i < sizeof(Word); ++i) {
     message[offset + i] = static_cast<std::uint8_t>(word >> (8U * (sizeof(Word) - 1 - i)));
   }
@@ -112,6 +112,12 @@ std::uint32_t checksum_of(ByteView message) {
 void seal(Bytes& message, std::int32_t attempt) {
   write_word(message, kAttemptAt, static_cast<std::uint32_t>(attempt));
   write_word(message, kChecksumAt, checksum_of(message));
+}
+
+void seal(std::span<std::uint8_t> head, std::int32_t attempt, std::uint32_t rest_crc,
+          std::size_t rest_bytes) {
+  write_word(head, kAttemptAt, static_cast<std::uint32_t>(attempt));
+  write_word(head, kChecksumAt, crc32_joined(checksum_of(head), rest_crc, rest_bytes));
 }
 
 Header header_of(ByteView message) {

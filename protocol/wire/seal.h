@@ -59,6 +59,10 @@ inline constexpr std::size_t kHeaderEnd = 60;
 /// Writes `attempt` and the checksum into an encoded message.
 void seal(Bytes& message, std::int32_t attempt = 0);
 
+/// The same for a message of which `head` is the beginning and the CRC-32 of the rest is known.
+void seal(std::span<std::uint8_t> head, std::int32_t attempt, std::uint32_t rest_crc,
+          std::size_t rest_bytes);
+
 /// CRC-32 (zlib) of an encoded message with its checksum field taken as zero.
 [[nodiscard]] std::uint32_t checksum_of(ByteView message);
 

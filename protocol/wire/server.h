@@ -29,7 +29,7 @@ void serve(Subsystem<In, Out>& side, Bus& bus, LivenessMonitor& monitor,
     }
     StepResult<Out> result = side.advance(step);
     if (known) memory.lend(step.input.begin);
-    memory.swap_given(step.input.end);
+    memory.given(step.input.end);
     std::swap(step.input, input);  // keeps its memory for the next request
     reply.outcome = result.outcome;
     reply.message = std::move(result.message);
@@ -60,7 +60,7 @@ void serve(Subsystem<In, Out>& side, Bus& bus, LivenessMonitor& monitor,
     switch (request.call) {
       case RequestKind::Initialize:
         output = side.initialize(input.end);
-        memory.swap_given(input.end);
+        memory.given(input.end);
         break;
       case RequestKind::Advance:
         output = advance(input, request, reply);

@@ -233,8 +233,10 @@ StepJournal some_journal() {
 
 TEST(WireMessages, JournalKeepsEveryFieldOfCallsAndStep) {
   const StepJournal journal = some_journal();
-  const auto back = decode_journal(encode(some_header(Kind::Journal), journal));
-  ASSERT_TRUE(back.has_value());
+  const auto journals = decode_journal(encode(some_header(Kind::Journal), journal));
+  ASSERT_TRUE(journals.has_value());
+  ASSERT_EQ(journals->size(), 1U);
+  const StepJournal* back = &journals->front();
   ASSERT_EQ(back->calls.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const CallRecord& a = journal.calls[i];
@@ -303,6 +305,25 @@ TEST(WireMessages, HugeAndNegativeCountsAreRefusedBeforeMemoryIsTaken) {
 TEST(WireMessages, AnotherMessageTypeIsRefused) {
   EXPECT_FALSE(decode_request(encode(some_reply())).has_value());
   EXPECT_FALSE(decode_credit(encode(Alive{some_header(Kind::Alive), 1, ""})).has_value());
+}
+
+TEST(WireMessages, AJournalCarriesSeveralMacroStepsInOrder) {
+  Bytes message;
+  begin_journal(message);
+  for (int n = 1; n <= 3; ++n) {
+    StepJournal journal = some_journal();
+    journal.step.macro_step = n;
+    journal.calls.resize(static_cast<std::size_t>(n), journal.calls.front());
+    append(journal, message);
+  }
+  end_journal(some_header(Kind::Journal), message);
+  const auto journals = decode_journal(message);
+  ASSERT_TRUE(journals.has_value());
+  ASSERT_EQ(journals->size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ((*journals)[i].step.macro_step, static_cast<std::int64_t>(i + 1));
+    EXPECT_EQ((*journals)[i].calls.size(), i + 1);
+  }
 }
 
 // Arrays are written without lcm-gen's code; whoever decodes with it must find the same numbers.
@@ -384,7 +405,7 @@ TEST(WireFilter, PassesWantedChannelsAndOtherProgramsAlone) {
 
 std::vector<Bytes> parts_of(Bytes message, std::int32_t attempt = 0) {
   std::vector<Bytes> parts;
-  cut(message, attempt, [&parts](const Bytes& part) { parts.push_back(part); });
+  cut(message, attempt, [&parts](ByteView part) { parts.emplace_back(part.begin(), part.end()); });
   return parts;
 }
 
