@@ -10,6 +10,7 @@
 #include "orchestrator/commands.h"
 #include "orchestrator/interruption.h"
 #include "protocol/contract/error.h"
+#include "protocol/driver/process_memory.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/driver/standard_streams.h"
 #include "protocol/scenario/node.h"
@@ -36,6 +37,7 @@ void require_known_command(const CLI::App& app, int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace tandem;
   open_standard_streams();
+  keep_freed_memory();
   CLI::App app(
       "Couples a rigid multibody process (ODE) with a flexible-body process (co-rotational finite\n"
       "elements) over LCM, measures what the coupling costs, and replays what was exchanged.",

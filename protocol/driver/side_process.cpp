@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "protocol/contract/error.h"
+#include "protocol/driver/process_memory.h"
 #include "protocol/driver/standard_streams.h"
 #include "protocol/wire/server.h"
 
@@ -145,6 +146,7 @@ void follow_parent(int parent_pid) {
 int run_side_process(const SideProgram& program, int argc, char** argv,
                      const std::function<int(SideContext&)>& body) {
   open_standard_streams();
+  keep_freed_memory();
   CLI::App app(program.description, program.name);
   app.set_version_flag("--version", kTandemVersion);
   Options options;

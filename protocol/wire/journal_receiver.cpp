@@ -1,5 +1,7 @@
 #include "protocol/wire/journal_receiver.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "protocol/contract/cost.h"
@@ -58,7 +60,13 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
   }
   if (ahead_.size() >= kMaxAhead) return;
   Message entries = decode(header.kind, message);
-  if (entries.empty()) return bus_.count_undecodable();
+  if (entries.empty()) {
+    throw Error(ErrorKind::Partner,
+                fmt::format("orchestrator: message {} of the journal (macro step {}) cannot be "
+                            "decoded: {} speaks another message schema. Install both from one "
+                            "build.",
+                            header.sequence, header.macro_step, executable_of(header.sender)));
+  }
   ahead_.emplace(header.sequence, std::move(entries));
   for (auto first = ahead_.begin(); first != ahead_.end() && first->first == arrived_ + 1;
        first = ahead_.erase(first)) {
