@@ -5,6 +5,7 @@
 #include "fem_process/reduced_body.h"
 #include "fem_process/vtu_writer.h"
 #include "fem_process/watch_csv.h"
+#include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
 
 namespace tandem::fem {
@@ -26,6 +27,9 @@ std::vector<std::string> names_of(const std::vector<SetName>& sets) {
 
 std::unique_ptr<FlexibleSide> make_body(Params params) {
   if (params.formulation == FormulationKind::CraigBampton) {
+    require(params.changes.empty(),
+            "fem: fem.changes needs the full body: the modes of craig_bampton belong to the sets "
+            "that are held at t = 0. Choose another fem.formulation.");
     return std::make_unique<ReducedBody>(std::move(params));
   }
   return std::make_unique<FlexibleBody>(std::move(params));

@@ -22,6 +22,14 @@ Eigen::VectorXd stacked(const std::vector<Eigen::Vector3d>& points) {
 constexpr int kNobody = -1;
 constexpr int kGround = -2;  // a fixed set
 
+std::string where(const SetName& name) {
+  return (name.place.file.empty() ? "fem" : name.place.text()) + ": ";
+}
+
+std::string tag_of(const TetMesh& mesh, int node) {
+  return "node " + std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]);
+}
+
 }  // namespace
 
 double length_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set) {
@@ -68,14 +76,13 @@ void Model::find_ports() {
     const NodeSet& set = find_set(mesh, port.set);
     for (int node : set.nodes) {
       int& owner = owner_[static_cast<std::size_t>(node)];
-      require(owner == kNobody,
-              (port.set.place.file.empty() ? "fem" : port.set.place.text()) + ": node " +
-                  std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]) +
-                  " belongs to the ports '" +
-                  params.ports[static_cast<std::size_t>(std::max(owner, 0))].name + "' and '" +
-                  port.name +
-                  "'. Let every node follow one port: choose sets without common "
-                  "nodes.");
+      if (owner != kNobody) {
+        throw Error(ErrorKind::Usage,
+                    where(port.set) + tag_of(mesh, node) + " belongs to the ports '" +
+                        ports[static_cast<std::size_t>(owner)].name + "' and '" + port.name +
+                        "'. Let every node follow one port: choose sets without "
+                        "common nodes.");
+      }
       owner = static_cast<int>(ports.size());
     }
     ports.push_back({port.name, set.nodes, length_of(mesh, port, set)});
@@ -89,12 +96,12 @@ void Model::hold(const std::vector<SetName>& sets) {
     for (int node : find_set(mesh, name).nodes) {
       int& owner = owners[static_cast<std::size_t>(node)];
       if (owner == kGround) continue;  // held by another fixed set already
-      require(owner == kNobody,
-              (name.place.file.empty() ? "fem" : name.place.text()) + ": node " +
-                  std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]) +
-                  " is in the fixed set '" + name.name + "' and in the port '" +
-                  params.ports[static_cast<std::size_t>(std::max(owner, 0))].name +
-                  "'. Choose sets without common nodes.");
+      if (owner != kNobody) {
+        throw Error(ErrorKind::Usage, where(name) + tag_of(mesh, node) + " is in the fixed set '" +
+                                          name.name + "' and in the port '" +
+                                          ports[static_cast<std::size_t>(owner)].name +
+                                          "'. Choose sets without common nodes.");
+      }
       owner = kGround;
       held.push_back(node);
     }

@@ -127,8 +127,8 @@ struct Params {
   std::optional<SimTime> micro_step;  ///< h; none = one step of ODE per macro step
   IntegratorKind integrator = IntegratorKind::Euler;
   double newmark_beta = 0.25;  ///< of Verlet: how the new wrench acts on the pose, 0 to 1/4
-  double erp = 0.2;    ///< share of a joint's position error removed in one step
-  double cfm = 1e-10;  ///< constraint force mixing: J v⁺ + (cfm / h) λ = rhs
+  double erp = 0.2;            ///< share of a joint's position error removed in one step
+  double cfm = 1e-10;          ///< constraint force mixing: J v⁺ + (cfm / h) λ = rhs
   std::vector<BodyParams> bodies;
   std::vector<JointParams> joints;
   std::vector<SpringParams> springs;

@@ -104,7 +104,7 @@ void add_control(CLI::App& app) {
   add("release", "Let the nodes of a fixed set move");
   add("fix", "Hold the nodes of a set where they are");
   add("force", "Put a total force on the nodes of a set, in place of the last one by command")
-      ->add_option("FX,FY,FZ", command->force, "Force (N) in world axes; 0,0,0 ends it")
+      ->add_option("FORCE", command->force, "FX,FY,FZ (N) in world axes; 0,0,0 ends it")
       ->required();
   sub->footer(
       "Takes effect before the next macro step, which is printed, and is recorded in the run's "

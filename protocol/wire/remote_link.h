@@ -70,8 +70,8 @@ class RemoteLink {
   Subscription replies_;
   std::int64_t sequence_ = 0;
   std::int64_t macro_step_ = 0;
-  CallCost open_cost_;           ///< of the call in progress
-  double begin_s_ = 0.0;         ///< when it was first sent
+  CallCost open_cost_;    ///< of the call in progress
+  double begin_s_ = 0.0;  ///< when it was first sent
   enum class Given { Nothing, Here, Lost };
   Bytes accepted_;                  ///< message that ends with the accepted input
   std::size_t accepted_bytes_ = 0;  ///< of that input; 0 = not known

@@ -31,7 +31,7 @@ enum class Kind : std::int32_t {
   Control = 16,
   Controlled = 17,
 };
-inline constexpr std::size_t kKinds = 16;
+inline constexpr std::size_t kKinds = 18;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
 
 /// The processes of a run.
