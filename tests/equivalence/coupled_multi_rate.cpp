@@ -1,8 +1,6 @@
 // Micro steps on either side: waveform iteration.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/support/coupled_pair.h"
 
 namespace tandem::coupled_test {
@@ -40,29 +38,6 @@ TEST(MultiRate, WaveformIterationAndInterfaceJacobianSolveTheSameMacroStep) {
     ASSERT_EQ(newton.size(), waveform.size());
     EXPECT_LT(largest_relative_difference(newton, waveform).motions, 1e-9)
         << rates.mbs << " : " << rates.fem;
-  }
-}
-
-double position_error(const std::vector<Sample>& a, const std::vector<Sample>& b) {
-  const Eigen::VectorXd d = difference(a.back().motions, b.back().motions);
-  return std::hypot(d.segment<3>(0).norm(), d.segment<3>(12).norm());
-}
-
-// Both integrators are of first order in their micro steps and wrenches are interpolated linearly:
-// with the ratio kept, the distance from a fine run falls with H for every ratio. The fine run's
-// own error is a sixteenth of the finest one's.
-TEST(MultiRate, ConvergesToOneAnswerForEveryRatioOfMicroSteps) {
-  const auto fine = run(3.90625e-6, {1, 1}, kNewton);
-  for (const Rates rates : {Rates{4, 1}, Rates{1, 4}, Rates{2, 2}}) {
-    double coarser = 0.0;
-    for (int halving = 0; halving <= 2; ++halving) {
-      const double error = position_error(fine, run(2.5e-4 / (1 << halving), rates, kWaveform));
-      if (halving > 0) {
-        EXPECT_NEAR(std::log2(coarser / error), 1.0, 0.2)
-            << rates.mbs << " : " << rates.fem << ", halving " << halving;
-      }
-      coarser = error;
-    }
   }
 }
 

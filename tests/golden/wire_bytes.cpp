@@ -82,7 +82,7 @@ TEST(WireBytes, SchemasAreThoseOfProtocolVersion2) {
   EXPECT_EQ(fingerprint(encode(Controlled{})), "f3704e734223d909");
   EXPECT_EQ(fingerprint(encode(Header{}, CallRecord{})), "629f994f410b2322");
   EXPECT_EQ(fingerprint(encode(Header{}, StepRecord{})), "a0cb6c465152bbd2");
-  EXPECT_EQ(fingerprint(encode(Header{}, StepJournal{})), "ad2ea303e3fc3014");
+  EXPECT_EQ(fingerprint(encode(Header{}, StepJournal{})), "10f0ceed0cf2971d");
   EXPECT_EQ(fingerprint(encode(Header{}, Finished{})), "0a57f30fdac9cf4f");
   EXPECT_EQ(fingerprint(encode(Header{}, ScenarioText{})), "868aa6e1b5982bba");
 }

@@ -108,7 +108,8 @@ std::vector<Fault> scenario_faults() {
       in_scenario("step_does_not_divide", "macro_step_s: 0.001", "macro_step_s: 0.0003",
                   R"(\d+:\d+: )", {"not a whole number of macro steps", "0.9999 s or 1.0002 s"}),
       in_scenario("unknown_choice", "scheme: interface_jacobian", "scheme: implizit", R"(\d+:11: )",
-                  {"'implizit' is not known", "explicit_serial, implicit, interface_jacobian"}),
+                  {"'implizit' is not known",
+                   "explicit_serial, explicit_parallel, implicit, interface_jacobian, tlm"}),
       in_scenario("missing_section", "\nports:\n", "\n# ports\n", R"(\d+:\d+: )", {}),
       in_scenario("poisson_of_no_material", "poisson: 0.3", "poisson: 0.5", R"(\d+:\d+: )",
                   {"fem.material.poisson", "< 0.5"}),
@@ -257,7 +258,8 @@ std::vector<Line> lines() {
       {"run_of_a_folder", {"run", "FOLDER"}, {"is a directory", "scenario.yaml"}},
       {"run_with_unknown_scheme",
        {"run", scenario, "--scheme", "gauss"},
-       {"'gauss' is not known", "explicit_serial, implicit, interface_jacobian"}},
+       {"'gauss' is not known",
+        "explicit_serial, explicit_parallel, implicit, interface_jacobian, tlm"}},
       {"run_with_unknown_driver",
        {"run", scenario, "--driver", "hub"},
        {"'hub' is not known", "mbs, orchestrator"}},
@@ -296,7 +298,7 @@ std::vector<Line> lines() {
        {"--tolerance"}},
       {"log_without_run", {"log"}, {"RUN is required", "--help"}},
       {"log_of_no_run", {"log", "FOLDER"}, {"is not a complete run folder"}},
-      {"report_of_no_run", {"report", "FOLDER"}, {"report"}},
+      {"report_of_no_run", {"report", "FOLDER"}, {"is not a complete run folder"}},
       {"keys_with_unknown_option", {"keys", "--foo"}, {"--foo", "--help"}},
   };
 }
