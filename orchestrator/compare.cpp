@@ -110,15 +110,7 @@ RatioSpread ratio(const ComparedRuns& a, const ComparedRuns& b) {
 }
 
 double largest_distance_m(const ComparedRuns& a, const ComparedRuns& b) {
-  double largest = 0.0;
-  for (const AcceptedInterface& entry : a.history) {
-    if (b.history.empty() || entry.time > b.history.back().time) break;
-    const MotionSet there = motions_at(b.history, entry.time);
-    for (std::size_t i = 0; i < there.size(); ++i) {
-      largest = std::max(largest, (entry.motions[i].p_WP - there[i].p_WP).norm());
-    }
-  }
-  return largest;
+  return motion_distance(a.history, b.history).max_m;
 }
 
 double largest_difference(const ComparedRuns& a, const ComparedRuns& b) {

@@ -53,7 +53,8 @@ MotionDistance motion_distance(const History& run, const History& reference,
       const double d_rad = entry.motions[i].q_WP.angularDistance(there[i].q_WP);
       distance.max_m = std::max(distance.max_m, d_m);
       distance.max_rad = std::max(distance.max_rad, d_rad);
-      distance.motion_m = std::max(distance.motion_m, d_m + ports[i].length_m * d_rad);
+      const double length_m = ports.empty() ? 0.0 : ports[i].length_m;
+      distance.motion_m = std::max(distance.motion_m, d_m + length_m * d_rad);
       squares += d_m * d_m;
       ++count;
     }

@@ -36,10 +36,10 @@ struct MotionDistance {
   double max_m = 0.0;     ///< of |p_WP|
   double rms_m = 0.0;     ///< root mean square over macro steps and ports
   double max_rad = 0.0;   ///< angle between the port frames
-  double motion_m = 0.0;  ///< largest |Δp_WP| + L Δθ, L the port's length
+  double motion_m = 0.0;  ///< largest |Δp_WP| + L Δθ, L the port's length (0 without `ports`)
 };
 [[nodiscard]] MotionDistance motion_distance(const History& run, const History& reference,
-                                             const std::vector<PortInfo>& ports);
+                                             const std::vector<PortInfo>& ports = {});
 
 /// Largest |Δp_WP| + L Δθ of any port from where it started: the scale of errors.
 [[nodiscard]] double largest_travel_m(const History& history, const std::vector<PortInfo>& ports);
