@@ -3,9 +3,9 @@
 #include <cmath>
 #include <utility>
 
+#include "fem_process/macro_step_wrench.h"
 #include "fem_process/quasi_static.h"
 #include "protocol/contract/error.h"
-#include "protocol/contract/segment.h"
 
 namespace tandem::fem {
 namespace {
@@ -82,6 +82,8 @@ void FlexibleBody::check_request(const StepRequest<MotionSet>& request) const {
 FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   const SimTime h = micro_step_of(request.step);
   const std::int64_t n = request.step / h;
+  const VelocityRule rule = velocity_rule(*model_.integrator);
+  MacroStepWrench answer(*model_.integrator, n);
   Advance done;
   done.last.state = state_;
   StepTangent tangent(model_, step_->arms());
@@ -96,29 +98,33 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
     const double s_torque = model_.integrator->torque_arms_at_begin()
                                 ? static_cast<double>(j - 1) / static_cast<double>(n)
                                 : s;
-    const MotionSet end = interpolate(request.input, s, request.step);
-    const MotionSet torque_pose =
-        s_torque > 0.0 ? interpolate(request.input, s_torque, request.step) : request.input.begin;
+    const MotionSet end = interpolate(request.input, s, request.step, rule);
+    const MotionSet torque_pose = s_torque > 0.0
+                                      ? interpolate(request.input, s_torque, request.step, rule)
+                                      : request.input.begin;
     Linearisation& kept = kept_[j == 1 ? 0 : 1];
     const State from = std::move(done.last.state);
     done.last = step_->advance(from, end, torque_pose, h, kept);
     done.last.state.generation = ++generations_;
     book(done.last.report, from.time + h);
+    answer.add(done.last.wrenches);
     if (!request.linearize || done.report.outcome == Outcome::Failed) continue;
     book(tangent.advance(
-             {end, interpolation_derivative(request.input, s, request.step)},
-             {torque_pose, interpolation_derivative(request.input, s_torque, request.step)},
+             {end, interpolation_derivative(request.input, s, request.step, rule)},
+             {torque_pose, interpolation_derivative(request.input, s_torque, request.step, rule)},
              done.last, kept.last()),
          from.time + h);
+    answer.add(tangent.jacobian());
   }
   if (done.report.outcome == Outcome::Failed) return done;
+  done.last.wrenches = answer.wrenches();
   if (!done.last.state.x.allFinite() || !all_finite(done.last.wrenches)) {
     book({.outcome = Outcome::Failed,
           .message = "positions or wrenches are not finite. Check the port motions, or shorten "
                      "fem.micro_step_s."},
          state_.time + request.step);
   }
-  if (request.linearize) done.jacobian = tangent.jacobian();
+  if (request.linearize) done.jacobian = answer.jacobian();
   return done;
 }
 

@@ -44,6 +44,10 @@ class Integrator {
   /// Where the arms of the ports' torques stand: in the pose at the beginning of the step, or at
   /// its end. See TransientStep::advance.
   [[nodiscard]] virtual bool torque_arms_at_begin() const = 0;
+  /// Whether reactions act constantly over the step, so that h times the reaction at its end is the
+  /// impulse on the ports. Several such steps answer a macro step with the mean of their wrenches,
+  /// which leaves the momentum as it is, and take their port velocities linear within it.
+  [[nodiscard]] virtual bool constant_forces() const { return false; }
   /// Whether masses and velocities enter the balance; false: statics.
   [[nodiscard]] virtual bool inertia() const { return true; }
 };
@@ -64,6 +68,7 @@ class BackwardEuler final : public Integrator {
   [[nodiscard]] bool keeps_history() const override { return false; }
   [[nodiscard]] bool averages_forces() const override { return false; }
   [[nodiscard]] bool torque_arms_at_begin() const override { return true; }
+  [[nodiscard]] bool constant_forces() const override { return true; }
 };
 
 /// HHT-α [Hilber, Hughes, Taylor 1977], α in [−1/3, 0], second order:

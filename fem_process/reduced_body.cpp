@@ -2,10 +2,10 @@
 
 #include <utility>
 
+#include "fem_process/macro_step_wrench.h"
 #include "fem_process/quasi_static.h"
 #include "fem_process/reduced_tangent.h"
 #include "protocol/contract/error.h"
-#include "protocol/contract/segment.h"
 
 namespace tandem::fem {
 namespace {
@@ -44,22 +44,26 @@ WrenchSet ReducedBody::initialize(const MotionSet& motions) {
 void ReducedBody::run(const StepRequest<MotionSet>& request, StepResult<WrenchSet>& result) {
   const SimTime h = model_.params.micro_step;
   const std::int64_t n = request.step / h;
+  const VelocityRule rule = velocity_rule(*model_.integrator);
+  MacroStepWrench answer(*model_.integrator, n);
   ReducedTangent tangent(*reduced_);
   ReducedState state = state_;
   for (std::int64_t j = 1; j <= n; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
     ReducedStep::Result step =
-        step_->advance(state, interpolate(request.input, s, request.step), h);
+        step_->advance(state, interpolate(request.input, s, request.step, rule), h);
     if (step.report.outcome == Outcome::Failed) {
       result.message = at_time(state.time + h) + step.report.message;
       return;
     }
     if (request.linearize) {
-      tangent.advance(interpolation_derivative(request.input, s, request.step), step);
+      tangent.advance(interpolation_derivative(request.input, s, request.step, rule), step);
+      answer.add(tangent.jacobian());
     }
     state = std::move(step.state);
-    result.output = std::move(step.wrenches);
+    answer.add(step.wrenches);
   }
+  result.output = answer.wrenches();
   if (!state.z.allFinite() || !all_finite(result.output)) {
     result.message = at_time(state.time) +
                      "modal coordinates or wrenches are not finite. Check the port motions, or "
@@ -68,7 +72,7 @@ void ReducedBody::run(const StepRequest<MotionSet>& request, StepResult<WrenchSe
   }
   result.outcome = Outcome::Done;
   result.message.clear();
-  if (request.linearize) result.jacobian = tangent.jacobian();
+  if (request.linearize) result.jacobian = answer.jacobian();
   state_ = std::move(state);
 }
 

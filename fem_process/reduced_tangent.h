@@ -7,8 +7,8 @@
 
 namespace tandem::fem {
 
-/// Exact derivative of a macro step's wrenches with respect to the motions at its end: carries the
-/// derivatives of the reduced state through the micro steps.
+/// Exact derivative of the wrenches after each micro step with respect to the motions at its end:
+/// carries the derivatives of the reduced state through the micro steps.
 class ReducedTangent {
  public:
   /// At the start of a macro step the state does not depend on its input. The reference is kept.

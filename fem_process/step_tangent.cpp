@@ -33,7 +33,8 @@ Motion nudged(Motion motion, Eigen::Index coordinate, double amount) {
 
 /// The interpolation is linear in p, v, w of the end (central differences are exact) and smooth in
 /// the angle, where 1e-4 rad leaves about 1e-9.
-MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s, SimTime H) {
+MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s, SimTime H,
+                                          VelocityRule rule) {
   MotionDerivative derivative(input.end.size(), Eigen::Matrix<double, 12, 12>::Identity());
   if (s >= 1.0) return derivative;
   if (s <= 0.0) {
@@ -46,7 +47,8 @@ MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, doubl
       const Segment<MotionSet> below{{input.begin[p]}, {nudged(input.end[p], c, -amount)}};
       const Segment<MotionSet> above{{input.begin[p]}, {nudged(input.end[p], c, amount)}};
       derivative[p].col(c) =
-          difference(interpolate(below, s, H), interpolate(above, s, H)) / (2.0 * amount);
+          difference(interpolate(below, s, H, rule), interpolate(above, s, H, rule)) /
+          (2.0 * amount);
     }
   }
   return derivative;
@@ -244,7 +246,13 @@ SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];
     prescribe(end, result, kept, c, direction);
-    if (direction.moves) moving.push_back(c);
+    if (direction.moves) {
+      moving.push_back(c);
+    } else if (direction.dx.squaredNorm() > 0.0) {
+      // Backward Euler takes displacements from velocities: positions tell in the next micro step.
+      direction.begin.x = direction.dx;
+      direction.begin.v = direction.dv;
+    }
   }
   if (moving.empty()) return {};
   const SolveReport report = solve(moving, result, kept);

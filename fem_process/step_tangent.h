@@ -15,14 +15,15 @@ namespace tandem::fem {
 /// the local coordinates of difference(), one 12 × 12 block per port.
 using MotionDerivative = std::vector<Eigen::Matrix<double, 12, 12>>;
 [[nodiscard]] MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s,
-                                                        SimTime H);
+                                                        SimTime H, VelocityRule rule);
 
-/// Exact derivative of a macro step's wrenches with respect to the motions at its end: carries the
-/// derivatives of the whole state through the micro steps. Every direction costs one solve with the
-/// micro step's factorisation; from the second micro step on also the directional derivative of the
-/// internal forces, since the linearisation points then depend on the input. Where the step is
-/// iterated to equilibrium the derivative is that of the equilibrium, and the solves are repeated
-/// until the part that the step matrix leaves out is in: once for an exact tangent.
+/// Exact derivative of the wrenches after each micro step with respect to the motions at its end:
+/// carries the derivatives of the whole state through the micro steps. Every direction costs one
+/// solve with the micro step's factorisation; from the second micro step on also the directional
+/// derivative of the internal forces, since the linearisation points then depend on the input.
+/// Where the step is iterated to equilibrium the derivative is that of the equilibrium, and the
+/// solves are repeated until the part that the step matrix leaves out is in: once for an exact
+/// tangent.
 class StepTangent {
  public:
   /// At the start of a macro step the state does not depend on its input. References are kept.

@@ -162,10 +162,13 @@ std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_ste
              ". The coupling has diverged: shorten the macro step.";
     }
   }
+  // Semi-implicit Euler takes the wrench as the mean over the macro step, which passes on the
+  // impulse that the flexible side has booked; the Verlet step as linear between both ends.
+  const bool constant = params_.integrator != IntegratorKind::Verlet;
   WrenchSet wrenches = input.begin;
   for (std::int64_t j = 1; j <= n; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
-    WrenchSet next = interpolate(input, s, macro_step);
+    WrenchSet next = constant ? input.end : interpolate(input, s, macro_step);
     if (auto failure = integrate_micro_step(state, h, {wrenches, next})) return failure;
     wrenches = std::move(next);
   }

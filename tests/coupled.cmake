@@ -8,7 +8,7 @@ tandem_test(coupled_unit
   SOURCES unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp
   LIBS coupled_support LABELS unit)
 tandem_test(coupled_convergence
-  SOURCES convergence/coupled_free_pair.cpp convergence/coupled_second_order.cpp
+  SOURCES convergence/coupled_free_pair.cpp convergence/coupled_orders.cpp convergence/coupled_second_order.cpp
   LIBS coupled_support LABELS convergence)
 tandem_test(coupled_reference
   SOURCES reference/coupled_reduction.cpp reference/coupled_slider_crank.cpp reference/coupled_truth.cpp

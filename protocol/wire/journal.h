@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,8 +49,7 @@ struct StepRecord {
   double residual_N = 0.0;
   double energy_defect_J = 0.0;
   Outcome outcome = Outcome::Done;
-  Ledger ledger;                       ///< of this step
-  std::optional<SideEnergies> energy;  ///< at its end, where it was observed
+  Ledger ledger;  ///< of this step
 };
 
 /// Everything that happened in one macro step: what travels to the orchestrator and into the log.

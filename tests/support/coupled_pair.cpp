@@ -10,6 +10,7 @@
 #include "orchestrator/monolithic.h"
 #include "orchestrator/step_tables.h"
 #include "protocol/contract/error.h"
+#include "protocol/schemes/transmission_line.h"
 
 namespace tandem::coupled_test {
 namespace {
@@ -56,8 +57,11 @@ std::array<Eigen::VectorXd, 6> quantities(const Sample& sample, std::size_t port
 CoupledPair::CoupledPair(const std::string& scenario, const Overrides& overrides)
     : model_(orchestrator::load_model(
           std::filesystem::path(TANDEM_SOURCE_DIR) / "examples" / scenario, overrides)),
-      mbs_(mbs::make_side(model_.scenario.root, {})),
-      fem_(fem::make_side(model_.scenario.root, {})) {}
+      mbs_(mbs::make_side(model_.scenario.root, {})) {
+  auto flexible = fem::make_side(model_.scenario.root, {});
+  flexible_ = flexible.get();
+  fem_ = prepared_for(model_.coupling, std::move(flexible));
+}
 
 RunReport CoupledPair::run(orchestrator::Mode mode, const Observer& observer) {
   CoupledRunParams params = scheme_run(model_.run, model_.coupling);
@@ -76,7 +80,7 @@ Eigen::Vector3d CoupledPair::linear_momentum() const {
   for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
     sum += mbs_->params().bodies[i].mass_kg * mbs_->state().bodies[i].v_WB;
   }
-  const Eigen::VectorXd momenta = nodal_momenta(*fem_);
+  const Eigen::VectorXd momenta = nodal_momenta(fem());
   for (Eigen::Index row = 0; row < momenta.size(); row += 3) sum += momenta.segment<3>(row);
   return sum;
 }
@@ -90,9 +94,9 @@ Eigen::Vector3d CoupledPair::angular_momentum() const {
     sum += params.mass_kg * body.p_WB.cross(body.v_WB) +
            R_WB * params.inertia_B() * R_WB.transpose() * body.w_WB;
   }
-  const Eigen::VectorXd momenta = nodal_momenta(*fem_);
+  const Eigen::VectorXd momenta = nodal_momenta(fem());
   for (Eigen::Index row = 0; row < momenta.size(); row += 3) {
-    sum += fem_->nodal_state().x.segment<3>(row).cross(momenta.segment<3>(row));
+    sum += fem().nodal_state().x.segment<3>(row).cross(momenta.segment<3>(row));
   }
   return sum;
 }

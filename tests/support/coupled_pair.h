@@ -39,7 +39,7 @@ class CoupledPair {
 
   [[nodiscard]] const orchestrator::Model& model() const { return model_; }
   [[nodiscard]] const mbs::RigidWorld& mbs() const { return *mbs_; }
-  [[nodiscard]] const fem::FlexibleSide& fem() const { return *fem_; }
+  [[nodiscard]] const fem::FlexibleSide& fem() const { return *flexible_; }
 
   /// Momentum of the rigid bodies and of all nodes (kg m/s), about the origin of W (kg m²/s).
   [[nodiscard]] Eigen::Vector3d linear_momentum() const;
@@ -48,7 +48,8 @@ class CoupledPair {
  private:
   orchestrator::Model model_;
   std::unique_ptr<mbs::RigidWorld> mbs_;
-  std::unique_ptr<fem::FlexibleSide> fem_;
+  std::unique_ptr<FemSide> fem_;                 ///< as the scheme needs it
+  const fem::FlexibleSide* flexible_ = nullptr;  ///< within fem_
 };
 
 /// A number as the value of an override, with all its digits.

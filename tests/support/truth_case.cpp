@@ -146,12 +146,16 @@ Trajectory reference_of(const TruthCase& truth) {
 }
 
 Trajectory monolithic_trajectory(const TruthCase& truth, double h_s) {
-  const Trajectory reference = reference_of(truth);
+  return trajectory(truth, h_s, orchestrator::Mode::Monolithic, reference_of(truth));
+}
+
+Trajectory trajectory(const TruthCase& truth, double h_s, orchestrator::Mode mode,
+                      const Trajectory& reference) {
   CoupledPair::Overrides overrides = truth.overrides;
   overrides.push_back({"run.macro_step_s", text_of(h_s)});
   CoupledPair pair(truth.scenario, overrides);
   Trajectory run{.columns = reference.columns};
-  const RunReport report = pair.run(orchestrator::Mode::Monolithic, [&](const Sample& sample) {
+  const RunReport report = pair.run(mode, [&](const Sample& sample) {
     if (run.rows.size() == reference.rows.size()) return;
     if (std::abs(sample.t_s - reference.rows[run.rows.size()][0]) > 1e-9) return;
     run.rows.push_back(sample.motions.size() == 1 ? pendulum_row(pair, sample)
@@ -160,6 +164,12 @@ Trajectory monolithic_trajectory(const TruthCase& truth, double h_s) {
   require(report.status == RunStatus::Done, truth.name + ": " + report.message);
   require(run.rows.size() == reference.rows.size(), truth.name + ": sample times were missed");
   return run;
+}
+
+Trajectory beginning_of(Trajectory trajectory, double end_s) {
+  std::erase_if(trajectory.rows,
+                [&](const std::vector<double>& row) { return row[0] > end_s + 1e-9; });
+  return trajectory;
 }
 
 std::map<std::string, double> largest_errors(const TruthCase& truth, const Trajectory& run,

@@ -42,6 +42,14 @@ struct TruthCase {
 /// when the run does not end as Done.
 [[nodiscard]] Trajectory monolithic_trajectory(const TruthCase& truth, double h_s);
 
+/// The same of any run of the case, against `reference`, which may be only the beginning of the
+/// case's own.
+[[nodiscard]] Trajectory trajectory(const TruthCase& truth, double h_s, orchestrator::Mode mode,
+                                    const Trajectory& reference);
+
+/// The rows with t <= end_s.
+[[nodiscard]] Trajectory beginning_of(Trajectory trajectory, double end_s);
+
 /// Largest norm of the difference over all samples after t = 0, by quantity. At t = 0 both are the
 /// same given state, but for the wrench, which then belongs to no step.
 [[nodiscard]] std::map<std::string, double> largest_errors(const TruthCase& truth,
