@@ -13,4 +13,8 @@ tandem_test(ancf_command SOURCES process/ancf_command.cpp LIBS orchestrator fmt:
 add_executable(vehicle_figures bench/vehicle.cpp)
 target_link_libraries(vehicle_figures PRIVATE beam_support fmt::fmt)
 target_compile_definitions(vehicle_figures PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+# The largest macro step with each scheme; regenerates the table of docs/tracked_vehicle.md.
+add_executable(vehicle_stability bench/vehicle_stability.cpp)
+target_link_libraries(vehicle_stability PRIVATE beam_support fmt::fmt)
+target_compile_definitions(vehicle_stability PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 tandem_test(ancf_order SOURCES convergence/ancf_order.cpp LIBS beam_support LABELS convergence)

@@ -7,7 +7,8 @@ endforeach()
 list(JOIN examples "," examples)
 
 function(tandem_run_test name source labels)
-  tandem_test(${name} SOURCES ${source} LIBS tandem_wire lcm::lcm nlohmann_json::nlohmann_json LABELS ${labels})
+  tandem_test(${name} SOURCES ${source} LIBS tandem_wire lcm::lcm nlohmann_json::nlohmann_json LABELS ${labels}
+    ${ARGN})
   add_dependencies(${name} tandem tandem-mbs tandem-fem tandem_fault_shim)
   target_compile_definitions(${name} PRIVATE TANDEM_EXAMPLES=${examples}
     TANDEM_FAULT_SHIM="$<TARGET_FILE:tandem_fault_shim>")
@@ -23,3 +24,6 @@ tandem_run_test(run_compare process/run_compare.cpp process)
 tandem_run_test(run_control process/run_control.cpp process)
 tandem_run_test(run_log process/run_log.cpp process)
 tandem_run_test(ancf_same_bits process/ancf_same_bits.cpp "process;equivalence")
+# The longest test: begins first.
+tandem_run_test(ancf_drive process/ancf_drive.cpp "process;equivalence;reference" PROPERTIES COST 1000)
+target_link_libraries(ancf_drive PRIVATE fem)

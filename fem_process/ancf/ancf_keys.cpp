@@ -198,6 +198,11 @@ Key contact_key() {
           .at_least(0)
           .by_default("2e3")
           .doc_is("c: pressure per rate of depth; never pulls."),
+      scenario::real("damping_depth_m", "m")
+          .above(0)
+          .by_default("1e-5")
+          .doc_is("Depth over which damping (of the teeth as well) comes in, so that forces do not "
+                  "jump when a point touches: an implicit step may have no solution there."),
       scenario::real("friction", "").at_least(0).by_default("0").doc_is("Coefficient μ."),
       scenario::real("friction_slope_N_s_per_m3", "N s/m³")
           .above(0)

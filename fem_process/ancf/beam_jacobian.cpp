@@ -40,7 +40,7 @@ std::optional<InterfaceJacobian> BeamStep::jacobian(const BeamState& state,
 
   const auto ports = static_cast<Eigen::Index>(motions.size());
   Eigen::MatrixXd balance = Eigen::MatrixXd::Zero(state.q.size(), 12 * ports);  // ∂R/∂m
-  Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(6 * ports, state.q.size());    // ∂λ/∂q⁺
+  Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(state.q.size(), 6 * ports);  // (∂λ/∂q⁺)ᵀ
   InterfaceJacobian total = InterfaceJacobian::Zero(6 * ports, 12 * ports);
   for (const Touch& touch : contact_.touches(state.q, state.v, motions, params_.friction)) {
     const Motion& wheel = motions[static_cast<std::size_t>(touch.port)];
@@ -59,16 +59,14 @@ std::optional<InterfaceJacobian> BeamStep::jacobian(const BeamState& state,
          system_.mesh().elements[static_cast<std::size_t>(touch.element)].terms) {
       const double s = term.factor * touch.shape(term.slot);
       balance.block<3, 12>(3 * term.vector, column) += s * of_motion;
-      wrench.block<3, 3>(row, 3 * term.vector) -= s * of_point;
-      wrench.block<3, 3>(row + 3, 3 * term.vector) += s * (force - arm * of_point);
+      wrench.block<3, 3>(3 * term.vector, row) -= s * of_point.transpose();
+      wrench.block<3, 3>(3 * term.vector, row + 3) += s * (force - arm * of_point).transpose();
     }
   }
-  for (Eigen::Index j = 0; j < balance.cols(); ++j) {
-    Eigen::VectorXd column = balance.col(j);
-    system_.clear_fixed(column);
-    factor->solve(column);
-    total.col(j) += wrench * column;
-  }
+  // λ has half as many components as the motions: S⁻ᵀ (∂λ/∂q⁺)ᵀ rather than S⁻¹ ∂R/∂m.
+  factor->solve_transposed(wrench);
+  for (Eigen::Index j = 0; j < wrench.cols(); ++j) system_.clear_fixed(wrench.col(j));
+  total += wrench.transpose() * balance;
   return total;
 }
 

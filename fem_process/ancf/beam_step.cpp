@@ -13,6 +13,13 @@ namespace {
 /// An iteration that contracts less than this calls for a new matrix.
 constexpr double kContraction = 0.3;
 
+/// So many iterations with matrices of their own that do not even halve the change go round.
+constexpr double kRound = 0.5;
+constexpr int kMostRounds = 3;
+
+/// Of a damped correction.
+constexpr double kShortest = 1.0 / 64.0;
+
 std::uint64_t fingerprint(const BeamState& state, double h_s) {
   StateHash hash;
   hash.add(h_s);
@@ -67,6 +74,27 @@ bool BeamStep::balance(const MotionSet& motions, BeamState& state, ContactSums& 
   return true;
 }
 
+bool BeamStep::factorize(const Alpha& alpha, const ElementArrays& elements, Result& result) const {
+  BeamState& state = result.state;
+  std::vector<double> values;
+  system_.assemble(elements, alpha.mass() + alpha.rate() * params_.mass_damping_per_s, values);
+  ++result.factorisations;
+  auto factor = system_.solver().factorize(values);
+  if (!factor) return false;
+  state.matrix = std::make_shared<const StepMatrix>(
+      StepMatrix{std::move(factor), alpha.h, params_.mass_damping_per_s, params_.friction,
+                 fingerprint(state, alpha.h)});
+  return true;
+}
+
+void BeamStep::correct(const Alpha& alpha, const Eigen::VectorXd& d, BeamState& state) {
+  state.q += d;
+  state.v += alpha.rate() * d;
+  const Eigen::VectorXd of_A = d / alpha.position();
+  state.A += of_A;
+  state.a += (1.0 - alpha.am) / (1.0 - alpha.af) * of_A;
+}
+
 BeamStep::Try BeamStep::newton(const Alpha& alpha, const MotionSet& motions, double t_s,
                                Result& result) const {
   BeamState& state = result.state;
@@ -80,8 +108,8 @@ BeamStep::Try BeamStep::newton(const Alpha& alpha, const MotionSet& motions, dou
                       state.matrix->mass_damping_per_s == params_.mass_damping_per_s;
   if (!usable) state.matrix.reset();
   double before = std::numeric_limits<double>::infinity();
+  int rounds = 0;
   Eigen::VectorXd r;
-  std::vector<double> values;
   for (int k = 0; k < params_.newton_steps; ++k) {
     ++result.iterations;
     const bool fresh = !state.matrix;
@@ -90,29 +118,48 @@ BeamStep::Try BeamStep::newton(const Alpha& alpha, const MotionSet& motions, dou
                   r)) {
       return {End::Inverted};
     }
-    if (fresh) {
-      system_.assemble(elements, alpha.mass() + alpha.rate() * params_.mass_damping_per_s, values);
-      ++result.factorisations;
-      auto factor = system_.solver().factorize(values);
-      if (!factor) return {End::Singular};
-      state.matrix = std::make_shared<const StepMatrix>(
-          StepMatrix{std::move(factor), alpha.h, params_.mass_damping_per_s, params_.friction,
-                     fingerprint(state, alpha.h)});
-    }
+    if (fresh && !factorize(alpha, elements, result)) return {End::Singular};
     state.matrix->factor->solve(r);
     const double change = r.cwiseAbs().maxCoeff();
     if (!std::isfinite(change)) return {End::Singular};
-    state.q += r;
-    state.v += alpha.rate() * r;
-    r /= alpha.position();
-    state.A += r;
-    state.a += (1.0 - alpha.am) / (1.0 - alpha.af) * r;
+    correct(alpha, r, state);
     if (change < params_.tolerance_m) return {End::Converged, change};
-    if (k + 1 == params_.newton_steps) return {End::Stalled, change};
+    if (fresh && change > kRound * before && ++rounds == kMostRounds) {
+      return damped_newton(alpha, motions, t_s, params_.newton_steps - k, elements, result);
+    }
     if (change > kContraction * before) state.matrix.reset();
     before = change;
   }
   return {End::Stalled, before};
+}
+
+BeamStep::Try BeamStep::damped_newton(const Alpha& alpha, const MotionSet& motions, double t_s,
+                                      int most, ElementArrays& elements, Result& result) const {
+  BeamState& state = result.state;
+  const auto balance_of = [&](const BeamState& at, std::optional<double> theta,
+                              Eigen::VectorXd& r) {
+    ++result.iterations;
+    return residual(at, motions, t_s, params_.mass_damping_per_s, theta, elements, result.sums, r);
+  };
+  Eigen::VectorXd d, next;
+  double change = 0.0;
+  for (int k = 0; k < most; ++k) {
+    if (!balance_of(state, alpha.rate(), d)) return {End::Inverted};
+    if (!factorize(alpha, elements, result)) return {End::Singular};
+    state.matrix->factor->solve(d);
+    change = d.cwiseAbs().maxCoeff();
+    if (!std::isfinite(change)) return {End::Singular};
+    const BeamState begin = state;
+    for (double part = 1.0; part >= kShortest; part *= 0.5) {
+      state = begin;
+      correct(alpha, part * d, state);
+      if (change < params_.tolerance_m) return {End::Converged, change};
+      if (!balance_of(state, std::nullopt, next)) continue;
+      state.matrix->factor->solve(next);
+      if (next.norm() <= (1.0 - 0.5 * part) * d.norm()) break;
+    }
+  }
+  return {End::Stalled, change};
 }
 
 void BeamStep::cut(const BeamState& begin, const Segment<MotionSet>& input, double s0, double s1,

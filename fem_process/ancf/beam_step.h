@@ -25,7 +25,9 @@ struct StepParams {
 ///   q⁺ = q + h v + h² ((½ − β) A + β A⁺),  v⁺ = v + h ((1 − γ) A + γ A⁺)
 ///   (1 − α_f) a⁺ + α_f a = (1 − α_m) A⁺ + α_m A,   M a⁺ = f(q⁺, v⁺, t⁺)
 /// by Newton's method on the balance at the end of the step. The factorised matrix of an earlier
-/// iterate or step is used as long as the iteration contracts with it.
+/// iterate or step is used as long as the iteration contracts with it. Where full steps go round
+/// between pieces of the contact law (touching or not, stick or slip) they are shortened until the
+/// natural level function ‖S⁻¹ R‖ falls [Deuflhard 2004, §3.3].
 class BeamStep {
  public:
   BeamStep(const BeamSystem& system, const ContactModel& contact, const StepParams& params);
@@ -73,6 +75,13 @@ class BeamStep {
     double change_m = 0.0;
   };
   Try newton(const Alpha& alpha, const MotionSet& motions, double t_s, Result& result) const;
+  /// Newton's iteration with a matrix of its own for every step, and steps as long as they help.
+  Try damped_newton(const Alpha& alpha, const MotionSet& motions, double t_s, int most,
+                    ElementArrays& elements, Result& result) const;
+  /// Takes the tangent in `elements` as the state's matrix; false when it is singular.
+  bool factorize(const Alpha& alpha, const ElementArrays& elements, Result& result) const;
+  /// The unknowns of the end of the step change by d.
+  static void correct(const Alpha& alpha, const Eigen::VectorXd& d, BeamState& state);
   /// f_ext − f_int + f_contact − α_M M v − M a; false when an element is turned inside out.
   bool residual(const BeamState& state, const MotionSet& motions, double t_s, double damping,
                 std::optional<double> theta, ElementArrays& elements, ContactSums& sums,

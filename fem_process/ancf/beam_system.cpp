@@ -185,7 +185,7 @@ void BeamSystem::assemble(const ElementArrays& elements, double mass_factor,
   for (int position : units_) values[static_cast<std::size_t>(position)] = 1.0;
 }
 
-void BeamSystem::clear_fixed(Eigen::VectorXd& x) const {
+void BeamSystem::clear_fixed(Eigen::Ref<Eigen::VectorXd> x) const {
   for (std::size_t v = 0; v < mesh().fixed.size(); ++v) {
     if (mesh().fixed[v]) x.segment<3>(3 * static_cast<Eigen::Index>(v)).setZero();
   }

@@ -66,7 +66,7 @@ class BeamSystem {
   void assemble(const ElementArrays& elements, double mass_factor,
                 std::vector<double>& values) const;
   /// Zero at fixed unknowns.
-  void clear_fixed(Eigen::VectorXd& x) const;
+  void clear_fixed(Eigen::Ref<Eigen::VectorXd> x) const;
 
  private:
   /// Two terms of an element and the 3 × 3 block that they enter.

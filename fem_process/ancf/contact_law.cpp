@@ -8,10 +8,24 @@
 namespace tandem::fem::ancf {
 namespace {
 
-/// The friction of a point under the pressure p with the gradients ∂p/∂r, ∂p/∂v.
+/// Damping c that comes in over the depth d₀, and its derivative by d.
+struct Damping {
+  double value = 0.0;
+  double by_depth = 0.0;
+};
+Damping damping_at(double depth, double full, double full_depth) {
+  if (depth >= full_depth) return {full, 0.0};
+  return {full * (depth / full_depth), full / full_depth};
+}
+
+/// The pressure's gradients.
+struct PressureSlopes {
+  Eigen::RowVector3d by_position, by_velocity;
+};
+
+/// The friction of a point under the pressure p, with `slopes` its derivatives too.
 void add_friction(const ContactParams& params, const ContactPoint& point,
-                  const Eigen::RowVector3d& p_by_r, const Eigen::RowVector3d& p_by_v,
-                  bool derivatives, Traction& out) {
+                  const PressureSlopes* slopes, Traction& out) {
   const Eigen::Vector3d& n = point.normal;
   const double normal_slip = n.dot(point.slip);
   const Eigen::Vector3d v_t = point.slip - normal_slip * n;
@@ -20,14 +34,14 @@ void add_friction(const ContactParams& params, const ContactPoint& point,
   const bool sticks = params.friction_slope_N_s_per_m3 * speed <= limit;
   const double slope = sticks ? params.friction_slope_N_s_per_m3 : limit / speed;
   out.force -= slope * v_t;
-  if (!derivatives) return;
+  if (slopes == nullptr) return;
   const Eigen::Matrix3d tangential = Eigen::Matrix3d::Identity() - n * n.transpose();
   out.by_slip = -slope * tangential;
   if (!sticks) {
     const Eigen::Vector3d along = v_t / speed;
     out.by_slip += slope * along * along.transpose();
-    out.by_position -= params.friction * along * p_by_r;
-    out.by_velocity -= params.friction * along * p_by_v;
+    out.by_position -= params.friction * along * slopes->by_position;
+    out.by_velocity -= params.friction * along * slopes->by_velocity;
   }
   // v_t turns with the normal: its derivative has parts along n, which friction follows too.
   const Eigen::Matrix3d turn = normal_slip * point.normal_by_position +
@@ -52,55 +66,57 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
 bool traction(const ContactParams& params, const ContactPoint& point, bool derivatives,
               Traction& out) {
   const Eigen::Vector3d& n = point.normal;
-  const double p =
-      params.stiffness_N_per_m3 * point.depth - params.damping_N_s_per_m3 * n.dot(point.approach);
+  const Damping c = damping_at(point.depth, params.damping_N_s_per_m3, params.damping_depth_m);
+  const double leaving = n.dot(point.approach);  // −d'
+  const double p = params.stiffness_N_per_m3 * point.depth - c.value * leaving;
   if (!(p > 0.0)) return false;
   out.pressure = p;
   out.depth = point.depth;
   out.force = p * n;
-  const Eigen::RowVector3d p_by_v = -params.damping_N_s_per_m3 * n.transpose();
-  const Eigen::RowVector3d p_by_r =
-      -params.stiffness_N_per_m3 * n.transpose() -
-      params.damping_N_s_per_m3 *
-          (point.normal_by_position.transpose() * point.approach).transpose();
+  PressureSlopes slopes;
   if (derivatives) {
-    out.by_position = n * p_by_r + p * point.normal_by_position;
-    out.by_velocity = n * p_by_v;
+    slopes.by_velocity = -c.value * n.transpose();
+    slopes.by_position =
+        -(params.stiffness_N_per_m3 - c.by_depth * leaving) * n.transpose() -
+        c.value * (point.normal_by_position.transpose() * point.approach).transpose();
+    out.by_position = n * slopes.by_position + p * point.normal_by_position;
+    out.by_velocity = n * slopes.by_velocity;
     out.by_slip.setZero();
   }
-  if (params.friction > 0.0) add_friction(params, point, p_by_r, p_by_v, derivatives, out);
+  if (params.friction > 0.0) add_friction(params, point, derivatives ? &slopes : nullptr, out);
   return true;
 }
 
-std::optional<ContactPoint> on_cylinder(double radius_m, const Eigen::Vector3d& axis,
-                                        const Motion& wheel, const Eigen::Vector3d& r,
-                                        const Eigen::Vector3d& v) {
+bool on_cylinder(double radius_m, const Eigen::Vector3d& axis, const Motion& wheel,
+                 const Eigen::Vector3d& r, const Eigen::Vector3d& v, bool derivatives,
+                 ContactPoint& out) {
   const Eigen::Vector3d d = r - wheel.p_WP;
   const Eigen::Vector3d radial = d - d.dot(axis) * axis;
   const double rho = radial.norm();
-  if (rho >= radius_m || rho == 0.0) return std::nullopt;
-  ContactPoint point;
-  point.depth = radius_m - rho;
-  point.normal = radial / rho;
-  point.normal_by_position = (Eigen::Matrix3d::Identity() - axis * axis.transpose() -
-                              point.normal * point.normal.transpose()) /
-                             rho;
-  point.approach = v - wheel.v_WP;
-  point.slip = point.approach - wheel.w_WP.cross(d);
-  point.slip_by_position = -cross_matrix(wheel.w_WP);
-  return point;
+  if (rho >= radius_m || rho == 0.0) return false;
+  out.depth = radius_m - rho;
+  out.normal = radial / rho;
+  out.approach = v - wheel.v_WP;
+  out.slip = out.approach - wheel.w_WP.cross(d);
+  if (!derivatives) return true;
+  out.normal_by_position = (Eigen::Matrix3d::Identity() - axis * axis.transpose() -
+                            out.normal * out.normal.transpose()) /
+                           rho;
+  out.slip_by_position = -cross_matrix(wheel.w_WP);
+  return true;
 }
 
-std::optional<ContactPoint> on_plane(const Eigen::Vector3d& origin, const Eigen::Vector3d& normal,
-                                     const Eigen::Vector3d& r, const Eigen::Vector3d& v) {
+bool on_plane(const Eigen::Vector3d& origin, const Eigen::Vector3d& normal,
+              const Eigen::Vector3d& r, const Eigen::Vector3d& v, ContactPoint& out) {
   const double depth = normal.dot(origin - r);
-  if (depth <= 0.0) return std::nullopt;
-  ContactPoint point;
-  point.depth = depth;
-  point.normal = normal;
-  point.approach = v;
-  point.slip = v;
-  return point;
+  if (depth <= 0.0) return false;
+  out.depth = depth;
+  out.normal = normal;
+  out.normal_by_position.setZero();
+  out.slip_by_position.setZero();
+  out.approach = v;
+  out.slip = v;
+  return true;
 }
 
 double seat_angle(const Teeth& teeth, const Motion& wheel, const Eigen::Vector3d& r) {
@@ -124,11 +140,13 @@ bool tooth_force(const Teeth& teeth, double base_radius_m, const Motion& wheel,
   const double side = angle < 0.0 ? -1.0 : 1.0;
   const Eigen::Vector3d along = axis.cross(radial / rho);
   const double rate = side * along.dot(v - wheel.v_WP - wheel.w_WP.cross(d));
-  const double push = teeth.stiffness_N_per_m * depth + teeth.damping_N_s_per_m * rate;
+  const Damping c = damping_at(depth, teeth.damping_N_s_per_m, teeth.damping_depth_m);
+  const double push = teeth.stiffness_N_per_m * depth + c.value * rate;
   if (push <= 0.0) return false;
+  const Eigen::Matrix3d direction = along * along.transpose();
   out.force = -side * engaged * push * along;
-  out.by_position = -engaged * teeth.stiffness_N_per_m * along * along.transpose();
-  out.by_velocity = -engaged * teeth.damping_N_s_per_m * along * along.transpose();
+  out.by_position = -engaged * (teeth.stiffness_N_per_m + c.by_depth * rate) * direction;
+  out.by_velocity = -engaged * c.value * direction;
   return true;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 
 #include "protocol/contract/port.h"
 
@@ -14,6 +13,7 @@ namespace tandem::fem::ancf {
 struct ContactParams {
   double stiffness_N_per_m3 = 0.0;         ///< k: pressure per depth
   double damping_N_s_per_m3 = 0.0;         ///< c
+  double damping_depth_m = 1e-5;           ///< d₀: depth from which on damping acts in full
   double friction = 0.0;                   ///< μ
   double friction_slope_N_s_per_m3 = 0.0;  ///< v_s: traction per slip velocity below μ p / v_s
 };
@@ -29,10 +29,12 @@ struct Traction {
 };
 
 /// Penalty pressure and trilinear Coulomb friction on a surface with the outward normal n:
-///   p = max(0, k d + c d'),   d' = −n·u: no adhesion [(18), (21) of JC11]
+///   p = max(0, k d + c d' min(1, d/d₀)),   d' = −n·u: no adhesion [(18), (21) of JC11]
 ///   t = −v_s v_t while v_s |v_t| ≤ μ p, else −μ p v_t/|v_t|   [(23)–(25)]
-/// u is the velocity of the point relative to the surface's origin, w relative to its material,
-/// v_t = w − n (n·w). Exact derivatives; `normal_by_position` = ∂n/∂r, `slip_by_position` = ∂w/∂r.
+/// As printed (d₀ → 0) the pressure jumps to c d' when a point touches; an implicit step in which
+/// it would have to end on that jump has no solution. d₀ makes the pressure continuous. u is the
+/// velocity of the point relative to the surface's origin, w relative to its material, v_t = w − n
+/// (n·w). Exact derivatives; `normal_by_position` = ∂n/∂r, `slip_by_position` = ∂w/∂r.
 struct ContactPoint {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();
   Eigen::Matrix3d normal_by_position = Eigen::Matrix3d::Zero();
@@ -45,20 +47,18 @@ struct ContactPoint {
 bool traction(const ContactParams& params, const ContactPoint& point, bool derivatives,
               Traction& out);
 
-/// The point of a circular cylinder of radius R about the axis U through the wheel's origin; empty
-/// outside.
-[[nodiscard]] std::optional<ContactPoint> on_cylinder(double radius_m, const Eigen::Vector3d& axis,
-                                                      const Motion& wheel, const Eigen::Vector3d& r,
-                                                      const Eigen::Vector3d& v);
-/// The point of the plane n·(r − o) = 0 at rest; empty above.
-[[nodiscard]] std::optional<ContactPoint> on_plane(const Eigen::Vector3d& origin,
-                                                   const Eigen::Vector3d& normal,
-                                                   const Eigen::Vector3d& r,
-                                                   const Eigen::Vector3d& v);
+/// The point of a circular cylinder of radius R about the axis U through the wheel's origin; false
+/// outside. `derivatives`: ∂n/∂r and ∂w/∂r too.
+bool on_cylinder(double radius_m, const Eigen::Vector3d& axis, const Motion& wheel,
+                 const Eigen::Vector3d& r, const Eigen::Vector3d& v, bool derivatives,
+                 ContactPoint& out);
+/// The point of the plane n·(r − o) = 0 at rest; false above.
+bool on_plane(const Eigen::Vector3d& origin, const Eigen::Vector3d& normal,
+              const Eigen::Vector3d& r, const Eigen::Vector3d& v, ContactPoint& out);
 
 /// Seats of a sprocket for the pins of a chain [(10)–(20) of JC11, in monotone form]. A pin at the
 /// angle Δ from its nearest seat, on the radius ρ, is pushed back along V = U × n by
-///   F = max(0, k d + c d') g(ρ),   d = ρ sin|Δ| − l_B r_pin,   d' = sign Δ V·w
+///   F = max(0, k d + c d' min(1, d/d₀)) g(ρ),   d = ρ sin|Δ| − l_B r_pin,   d' = sign Δ V·w
 ///   g = clamp((R + height − ρ)/r_pin, 0, 1)
 struct Teeth {
   int count = 0;
@@ -68,6 +68,7 @@ struct Teeth {
   double height_m = 0.0;  ///< above the base circle
   double stiffness_N_per_m = 0.0;
   double damping_N_s_per_m = 0.0;
+  double damping_depth_m = 1e-5;  ///< d₀
 };
 
 struct ToothForce {

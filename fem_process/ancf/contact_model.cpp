@@ -41,11 +41,18 @@ ContactModel::ContactModel(const BeamMesh& mesh, const BeamSection& section,
     : mesh_(&mesh), section_(section), wheels_(std::move(wheels)), grounds_(std::move(grounds)) {
   const GaussRule along = gauss_rule(grid.along);
   const GaussRule across = gauss_rule(grid.across);
-  for (std::size_t i = 0; i < along.point.size(); ++i) {
-    along_.push_back({along.point[i], along.weight[i]});
-  }
-  for (std::size_t j = 0; j < across.point.size(); ++j) {
-    across_.push_back({across.point[j], across.weight[j]});
+  points_ = along.point.size() * across.point.size();
+  for (const BeamElement& element : mesh.elements) {
+    const double length = element.length_m;
+    for (const double z : {-0.5 * section.height_m, 0.5 * section.height_m}) {
+      for (std::size_t i = 0; i < along.point.size(); ++i) {
+        for (std::size_t j = 0; j < across.point.size(); ++j) {
+          const double y = section.width_m * (across.point[j] - 0.5);
+          patches_.push_back({shape_values(length, along.point[i], y, z),
+                              along.weight[i] * across.weight[j] * (length * section.width_m)});
+        }
+      }
+    }
   }
 }
 
@@ -77,24 +84,20 @@ bool ContactModel::near(const Ground& ground, int element, const Element& vector
 template <class Visit>
 void ContactModel::for_each_touch(int element, const Element& vectors, const MotionSet& motions,
                                   bool derivatives, bool friction, const Visit& visit) const {
-  const double length = mesh_->elements[static_cast<std::size_t>(element)].length_m;
-  const double face_area = length * section_.width_m;
   Traction touch;
+  ContactPoint point;
   const auto sweep = [&](Face face, const ContactParams& given, const auto& point_of, int wheel,
                          int ground) {
     ContactParams params = given;
     if (!friction) params.friction = 0.0;
-    const double z = (face == Face::Inner ? -0.5 : 0.5) * section_.height_m;
-    for (const Station& at : along_) {
-      for (const Station& side : across_) {
-        Patch patch{shape_values(length, at.xi, section_.width_m * (side.xi - 0.5), z),
-                    at.weight * side.weight * face_area};
-        const Eigen::Vector3d r = vectors.e * patch.shape;
-        const Eigen::Vector3d v = vectors.rate * patch.shape;
-        const std::optional<ContactPoint> point = point_of(r, v);
-        if (!point || !traction(params, *point, derivatives, touch)) continue;
-        visit(wheel, ground, patch, r, touch);
-      }
+    const std::size_t first =
+        (2 * static_cast<std::size_t>(element) + (face == Face::Inner ? 0 : 1)) * points_;
+    for (std::size_t i = first; i < first + points_; ++i) {
+      const Patch& patch = patches_[i];
+      const Eigen::Vector3d r = vectors.e * patch.shape;
+      const Eigen::Vector3d v = vectors.rate * patch.shape;
+      if (!point_of(r, v) || !traction(params, point, derivatives, touch)) continue;
+      visit(wheel, ground, patch, r, touch);
     }
   };
   for (std::size_t w = 0; w < wheels_.size(); ++w) {
@@ -105,7 +108,7 @@ void ContactModel::for_each_touch(int element, const Element& vectors, const Mot
     sweep(
         wheel.face, wheel.contact,
         [&](const Eigen::Vector3d& r, const Eigen::Vector3d& v) {
-          return on_cylinder(wheel.radius_m, axis, motion, r, v);
+          return on_cylinder(wheel.radius_m, axis, motion, r, v, derivatives, point);
         },
         static_cast<int>(w), -1);
   }
@@ -115,7 +118,7 @@ void ContactModel::for_each_touch(int element, const Element& vectors, const Mot
     sweep(
         ground.face, ground.contact,
         [&](const Eigen::Vector3d& r, const Eigen::Vector3d& v) {
-          return on_plane(ground.point_m, ground.normal, r, v);
+          return on_plane(ground.point_m, ground.normal, r, v, point);
         },
         -1, static_cast<int>(g));
   }

@@ -84,9 +84,6 @@ class ContactModel {
   [[nodiscard]] bool empty() const { return wheels_.empty() && grounds_.empty(); }
 
  private:
-  struct Station {
-    double xi = 0.0, weight = 0.0;
-  };
   struct Element;
   /// Where a traction acts: shape values and stress-free area.
   struct Patch {
@@ -108,8 +105,8 @@ class ContactModel {
   BeamSection section_;
   std::vector<Wheel> wheels_;
   std::vector<Ground> grounds_;
-  std::vector<Station> along_;
-  std::vector<Station> across_;  ///< xi is y/w + 1/2
+  std::size_t points_ = 0;      ///< of a face of an element
+  std::vector<Patch> patches_;  ///< inner face, then outer face, of each element
 };
 
 }  // namespace tandem::fem::ancf

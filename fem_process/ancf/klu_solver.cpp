@@ -70,4 +70,10 @@ void LuFactor::solve(Eigen::VectorXd& b) const {
   klu_solve(klu_->symbolic->symbolic, klu_->numeric, klu_->size, 1, b.data(), &common);
 }
 
+void LuFactor::solve_transposed(Eigen::MatrixXd& B) const {
+  klu_common common = klu_->common;
+  klu_tsolve(klu_->symbolic->symbolic, klu_->numeric, klu_->size, static_cast<int>(B.cols()),
+             B.data(), &common);
+}
+
 }  // namespace tandem::fem::ancf

@@ -24,6 +24,8 @@ class LuFactor {
  public:
   /// Overwrites b with A⁻¹ b.
   void solve(Eigen::VectorXd& b) const;
+  /// Overwrites the columns of B with A⁻ᵀ B.
+  void solve_transposed(Eigen::MatrixXd& B) const;
 
  private:
   friend class KluSolver;

@@ -91,14 +91,15 @@ BeamMesh read_mesh(const Node& ancf, const BeamMaterial& material) {
   }
 }
 
-Teeth read_teeth(const Node& node) {
+Teeth read_teeth(const Node& node, const ContactParams& contact) {
   return {.count = static_cast<int>(node.integer("count")),
           .phase_rad = node.real("phase_rad"),
           .pin_radius_m = node.real("pin_radius_m"),
           .backlash = node.real("backlash"),
           .height_m = node.real("height_m"),
           .stiffness_N_per_m = node.real("stiffness_N_per_m"),
-          .damping_N_s_per_m = node.real("damping_N_s_per_m")};
+          .damping_N_s_per_m = node.real("damping_N_s_per_m"),
+          .damping_depth_m = contact.damping_depth_m};
 }
 
 ContactParams with_friction(ContactParams params, const Node& surface) {
@@ -115,6 +116,7 @@ void read_surfaces(const Node& ancf, BeamParams& params) {
   const ContactParams common{
       .stiffness_N_per_m3 = contact.real("stiffness_N_per_m3"),
       .damping_N_s_per_m3 = contact.real("damping_N_s_per_m3"),
+      .damping_depth_m = contact.real("damping_depth_m"),
       .friction = contact.real("friction"),
       .friction_slope_N_s_per_m3 = contact.real("friction_slope_N_s_per_m3")};
   params.grid = {static_cast<int>(contact.integer("points_along")),
@@ -130,7 +132,7 @@ void read_surfaces(const Node& ancf, BeamParams& params) {
                   .radius_m = node.real("radius_m"),
                   .face = read_face(node),
                   .contact = with_friction(common, node)};
-      if (node.has("teeth")) wheel.teeth = read_teeth(node.section("teeth"));
+      if (node.has("teeth")) wheel.teeth = read_teeth(node.section("teeth"), common);
       params.wheels.push_back(wheel);
     }
   }

@@ -13,11 +13,9 @@
 
 namespace tandem::fem::ancf::testing {
 
-/// Rows of a file of tests/data/ancf as text fields by column name. Lines that begin with '#' are
-/// passed over.
+/// Rows of a CSV file as text fields by column name. Lines that begin with '#' are passed over.
 using Row = std::map<std::string, std::string>;
-inline std::vector<Row> read_rows(const std::string& name) {
-  const std::string file = std::string(TANDEM_SOURCE_DIR) + "/tests/data/ancf/" + name;
+inline std::vector<Row> read_table(const std::string& file) {
   std::ifstream stream(file);
   require(stream.good(), "cannot read " + file);
   std::vector<std::string> columns;
@@ -37,6 +35,10 @@ inline std::vector<Row> read_rows(const std::string& name) {
     }
   }
   return rows;
+}
+/// Those of a file of tests/data/ancf.
+inline std::vector<Row> read_rows(const std::string& name) {
+  return read_table(std::string(TANDEM_SOURCE_DIR) + "/tests/data/ancf/" + name);
 }
 
 inline double number(const Row& row, const std::string& column) {

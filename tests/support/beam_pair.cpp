@@ -1,11 +1,13 @@
 #include "tests/support/beam_pair.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "fem_process/ancf/make_beam_side.h"
 #include "mbs_process/make_side.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/override.h"
+#include "protocol/schemes/transmission_line.h"
 
 namespace tandem::coupled_test {
 namespace {
@@ -26,15 +28,18 @@ BeamPair::Overrides parsed(const std::vector<std::string>& texts) {
 BeamPair::BeamPair(const std::string& scenario, const std::vector<std::string>& overrides)
     : model_(orchestrator::load_model(
           std::filesystem::path(TANDEM_SOURCE_DIR) / "examples" / scenario, parsed(overrides))),
-      mbs_(mbs::make_side(model_.scenario.root, {})),
-      fem_(fem::ancf::make_beam_side(model_.scenario.root, {})) {}
+      mbs_(mbs::make_side(model_.scenario.root, {})) {
+  auto chain = fem::ancf::make_beam_side(model_.scenario.root, {});
+  fem_ = chain.get();
+  fem_side_ = prepared_for(model_.coupling, std::move(chain));
+}
 
 RunReport BeamPair::run(const Observer& observer) {
   // The flexible side is the last to be told that a step is accepted.
   fem_->on_accepted([&](const fem::ancf::BeamBody&) { observer(*this); });
   NoRecord sink;
   return run_coupled(scheme_run(model_.run, model_.coupling), {*mbs_, Locality::Here},
-                     {*fem_, Locality::Here}, sink);
+                     {*fem_side_, Locality::Here}, sink);
 }
 
 const mbs::BodyState& BeamPair::body(const std::string& name) const {

@@ -37,7 +37,8 @@ class BeamPair {
  private:
   orchestrator::Model model_;
   std::unique_ptr<mbs::RigidWorld> mbs_;
-  std::unique_ptr<fem::ancf::BeamBody> fem_;
+  std::unique_ptr<FemSide> fem_side_;  ///< the chain, or the line's end before it
+  fem::ancf::BeamBody* fem_ = nullptr;
 };
 
 }  // namespace tandem::coupled_test

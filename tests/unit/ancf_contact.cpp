@@ -24,40 +24,62 @@ Motion spinning_wheel() {
   return wheel;
 }
 
-/// A point of the band 5 mm inside a cylinder of 0.19 m.
-Eigen::Vector3d inside_point(const Motion& wheel) {
-  return wheel.p_WP +
-         wheel.q_WP * Eigen::Vector3d(0.185 * std::sin(0.7), 0.1, 0.185 * std::cos(0.7));
+/// A point of the band inside a cylinder of 0.19 m, at a depth.
+Eigen::Vector3d inside_point(const Motion& wheel, double depth_m) {
+  const double rho = 0.19 - depth_m;
+  return wheel.p_WP + wheel.q_WP * Eigen::Vector3d(rho * std::sin(0.7), 0.1, rho * std::cos(0.7));
 }
 
 Traction on_wheel(const Motion& wheel, const Eigen::Vector3d& r, const Eigen::Vector3d& v) {
   Traction out;
-  const auto point = on_cylinder(0.19, wheel.q_WP * Eigen::Vector3d::UnitY(), wheel, r, v);
-  EXPECT_TRUE(point && traction(kRubber, *point, true, out));
+  ContactPoint point;
+  EXPECT_TRUE(on_cylinder(0.19, wheel.q_WP * Eigen::Vector3d::UnitY(), wheel, r, v, true, point) &&
+              traction(kRubber, point, true, out));
   return out;
 }
 
 TEST(AncfContact, CylinderTangentsAreTheDerivativesInStickAndInSlip) {
   const Motion wheel = spinning_wheel();
-  const Eigen::Vector3d r = inside_point(wheel);
-  const Eigen::Vector3d carried = wheel.v_WP + wheel.w_WP.cross(r - wheel.p_WP);
-  for (const Eigen::Vector3d& slip :
-       {Eigen::Vector3d(0.05, -0.08, 0.02), Eigen::Vector3d(2.0, -1.0, 0.5)}) {
-    const Eigen::Vector3d v = carried + slip;
-    const Traction at = on_wheel(wheel, r, v);
-    Eigen::Matrix3d by_r;
-    Eigen::Matrix3d by_v;
-    const double step = 1e-7;
-    for (int k = 0; k < 3; ++k) {
-      const Eigen::Vector3d d = step * Eigen::Vector3d::Unit(k);
-      by_r.col(k) =
-          (on_wheel(wheel, r + d, v).force - on_wheel(wheel, r - d, v).force) / (2 * step);
-      by_v.col(k) =
-          (on_wheel(wheel, r, v + d).force - on_wheel(wheel, r, v - d).force) / (2 * step);
+  // At 5 mm damping acts in full, at 4 µm it comes in.
+  for (const double depth : {5e-3, 4e-6}) {
+    const Eigen::Vector3d r = inside_point(wheel, depth);
+    const Eigen::Vector3d carried = wheel.v_WP + wheel.w_WP.cross(r - wheel.p_WP);
+    const Eigen::Vector3d outwards =
+        wheel.q_WP * Eigen::Vector3d(std::sin(0.7), 0.0, std::cos(0.7));
+    const Eigen::Vector3d along =
+        wheel.q_WP * Eigen::Vector3d(0.8 * std::cos(0.7), 0.6, -0.8 * std::sin(0.7));
+    // Sticks; slips.
+    for (const double speed : {1e-4, 2.0}) {
+      const Eigen::Vector3d v = carried + speed * along - 0.05 * outwards;
+      const Traction at = on_wheel(wheel, r, v);
+      Eigen::Matrix3d by_r;
+      Eigen::Matrix3d by_v;
+      const double step = 1e-8;
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector3d d = step * Eigen::Vector3d::Unit(k);
+        by_r.col(k) =
+            (on_wheel(wheel, r + d, v).force - on_wheel(wheel, r - d, v).force) / (2 * step);
+        by_v.col(k) =
+            (on_wheel(wheel, r, v + d).force - on_wheel(wheel, r, v - d).force) / (2 * step);
+      }
+      // Central differences of 1e-8 m of a depth that has a round-off of 1e-17 m.
+      EXPECT_LT((at.by_position - by_r).norm(), 1e-6 * by_r.norm()) << depth << " " << speed;
+      EXPECT_LT((at.by_velocity - by_v).norm(), 1e-6 * by_v.norm()) << depth << " " << speed;
     }
-    // Central differences of 1e-7: round-off 1e-9, curvature 1e-12.
-    EXPECT_LT((at.by_position - by_r).norm(), 1e-7 * by_r.norm());
-    EXPECT_LT((at.by_velocity - by_v).norm(), 1e-7 * by_v.norm());
+  }
+}
+
+TEST(AncfContact, PressureBeginsAtZeroHoweverFastThePointComes) {
+  // As printed it would begin at c d' = 2e3 Pa here; from d₀ on it is k d + c d'.
+  ContactPoint point{.normal = Eigen::Vector3d::UnitZ(), .approach = {0.0, 0.0, -1.0}};
+  Traction out;
+  point.depth = 1e-12;
+  ASSERT_TRUE(traction(kRubber, point, false, out));
+  EXPECT_LT(out.pressure, 1e-3);
+  for (const double depth : {1e-5, 1e-4}) {
+    point.depth = depth;
+    ASSERT_TRUE(traction(kRubber, point, false, out));
+    EXPECT_NEAR(out.pressure, 9e7 * depth + 2e3, 1e-9);
   }
 }
 
@@ -84,10 +106,11 @@ TEST(AncfContact, ThereIsNoAdhesion) {
 
 TEST(AncfContact, OutsideThereIsNoPoint) {
   const Motion wheel;
+  ContactPoint point;
   EXPECT_FALSE(on_cylinder(0.19, Eigen::Vector3d::UnitY(), wheel, {0.0, 5.0, 0.1901},
-                           Eigen::Vector3d::Zero()));
+                           Eigen::Vector3d::Zero(), false, point));
   EXPECT_FALSE(on_plane(Eigen::Vector3d::Zero(), Eigen::Vector3d::UnitZ(), {0.0, 0.0, 1e-9},
-                        Eigen::Vector3d::Zero()));
+                        Eigen::Vector3d::Zero(), point));
 }
 
 const Teeth kTeeth{.count = 10,
