@@ -186,7 +186,8 @@ std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTim
     }
   } catch (const OdeFault& fault) {
     return "mbs: " + std::string(fault.what()) + at_time(state.time) +
-           ". Shorten the step, or raise mbs.cfm where joints constrain the same motion twice.";
+           ". Shorten the step, check masses and positions, or raise mbs.cfm where joints "
+           "constrain the same motion twice.";
   }
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     if (all_finite(state.bodies[i])) continue;

@@ -22,9 +22,20 @@ struct RunCommand {
   bool quiet = false;
 
   [[nodiscard]] Mode mode() const {
-    require(!(monolithic && attach), "--attach: a monolithic run has no side processes to start");
     if (monolithic) return Mode::Monolithic;
     return transport == "lcm" ? Mode::Lcm : Mode::Inproc;
+  }
+
+  /// A monolithic run has no scheme, no transport and no processes to choose.
+  void check_monolithic(const CLI::App& given) const {
+    if (!monolithic) return;
+    for (const char* option : {"--scheme", "--transport", "--driver", "--attach"}) {
+      require(given.count(option) == 0,
+              std::string(option) +
+                  ": a monolithic run is one process that solves one system per step; there are no "
+                  "side processes to couple. Leave out " +
+                  option + " or --monolithic.");
+    }
   }
 
   int run() const {
@@ -80,7 +91,10 @@ void add_run(CLI::App& app, int& exit_code) {
   sub->add_flag("--attach", command->attach,
                 "Do not start the sides: print how to start them by hand (debugger)");
   sub->add_flag("--quiet", command->quiet, "No progress and no forwarded logs");
-  sub->callback([command, &exit_code] { exit_code = command->run(); });
+  sub->callback([command, sub, &exit_code] {
+    command->check_monolithic(*sub);
+    exit_code = command->run();
+  });
 }
 
 }  // namespace tandem::orchestrator

@@ -16,7 +16,15 @@ namespace {
 
 using Kind = YamlValue::Kind;
 
-std::vector<std::string> split(const std::string& path) {
+/// `bodies[0].mass_kg` is another way to write `bodies.0.mass_kg`.
+std::string with_dots(std::string path) {
+  std::erase(path, ']');
+  std::ranges::replace(path, '[', '.');
+  return path;
+}
+
+std::vector<std::string> split(const std::string& given) {
+  const std::string path = with_dots(given);
   std::vector<std::string> words;
   std::size_t begin = 0;
   for (auto dot = path.find('.'); dot != std::string::npos; dot = path.find('.', begin)) {

@@ -248,6 +248,7 @@ class Validator {
     for (const double component : x) squares += component * component;
     const double norm = std::sqrt(squares);
     if (std::abs(norm - 1.0) <= 1e-3) return;
+    if (norm == 0.0) return refuse(yaml, path, "is all zeros. Its norm must be 1.");
     refuse(yaml, path,
            fmt::format("has the norm {:.6g}. It must be 1: divide each number by {:.6g}.", norm,
                        norm));
