@@ -4,6 +4,10 @@ tandem_test(test_schemes
     unit/schemes_options.cpp unit/schemes_prediction.cpp unit/schemes_test.cpp
   LIBS tandem_driver tandem_schemes
   LABELS unit)
+tandem_test(schemes_convergence
+  SOURCES convergence/schemes_order.cpp
+  LIBS tandem_driver tandem_schemes
+  LABELS convergence)
 
 # Prints the tables of iterations and stability of docs/coupling.md.
 add_executable(coupling_sweep bench/coupling_sweep.cpp)
