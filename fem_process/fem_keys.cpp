@@ -310,6 +310,12 @@ Key fem_keys() {
                   "Venant-Kirchhoff in total Lagrangian form; or small displacements in modes of a "
                   "floating frame."),
       craig_bampton_key(),
+      scenario::choice("coupling", {"ports", "nodal"})
+          .by_default("ports")
+          .doc_is("What the sides exchange: rigid frames with the nodes attached to them; or every "
+                  "free node, which then is a point mass of the multibody side while this side "
+                  "evaluates internal forces alone. For nodal, leave out ports and mbs.bodies: "
+                  "they are made from the mesh and called node_<tag>."),
       scenario::choice("mass", {"lumped", "consistent"})
           .by_default("consistent")
           .doc_is("A tet's mass on its nodes (a quarter each; of second order, in proportion to "
@@ -394,8 +400,13 @@ Params read_params(const Node& root) {
     for (const Node& change : fem.list("changes")) params.changes.push_back(read_change(change));
   }
   params.initial_velocity = read_initial_velocity(fem.section("initial_velocity"));
+  params.nodal = fem.text("coupling") == "nodal";
   if (!root.has("ports")) return params;
   for (const scenario::PortParams& port : scenario::read_ports(root)) {
+    if (params.nodal) {
+      params.node_ports.push_back({port.name, port.place});
+      continue;
+    }
     require(!port.node_set.empty(), port.place.text() + ": port '" + port.name +
                                         "' needs node_set: the nodes of the mesh that follow it.");
     PortSet set{.name = port.name, .set = {port.node_set, port.place}, .p_WP = std::nullopt};

@@ -2,6 +2,7 @@
 
 #include "fem_process/fem_keys.h"
 #include "fem_process/flexible_body.h"
+#include "fem_process/nodal_body.h"
 #include "fem_process/reduced_body.h"
 #include "fem_process/vtu_writer.h"
 #include "fem_process/watch_csv.h"
@@ -26,6 +27,7 @@ std::vector<std::string> names_of(const std::vector<SetName>& sets) {
 }  // namespace
 
 std::unique_ptr<FlexibleSide> make_body(Params params) {
+  if (params.nodal) return std::make_unique<NodalBody>(std::move(params));
   if (params.formulation == FormulationKind::CraigBampton) {
     require(params.changes.empty(),
             "fem: fem.changes needs the full body: the modes of craig_bampton belong to the sets "

@@ -56,6 +56,7 @@ fem::Params held_params(const scenario::Node& root) {
   fem::Params params = fem::read_params(root);
   for (fem::PortSet& port : params.ports) params.fixed.push_back(std::move(port.set));
   params.ports.clear();
+  params.nodal = false;  // alone, the flexible side has its own masses
   return params;
 }
 

@@ -1,8 +1,11 @@
 #include "orchestrator/model.h"
 
+#include <utility>
+
 #include "fem_process/make_model.h"
 #include "fem_process/mesh.h"
 #include "mbs_process/make_side.h"
+#include "orchestrator/nodal_scenario.h"
 #include "orchestrator/scenario_table.h"
 #include "protocol/schemes/transmission_line.h"
 
@@ -13,6 +16,9 @@ namespace {
 /// Also with the mesh's fingerprint, so that a run folder tells which mesh it is about.
 scenario::Loaded load_with_checksum(const std::filesystem::path& file,
                                     std::vector<scenario::Override> overrides) {
+  for (scenario::Override& made : nodal_overrides(file, overrides)) {
+    overrides.push_back(std::move(made));
+  }
   scenario::Loaded loaded = scenario::load(file, scenario_table(), overrides);
   const scenario::Node fem = loaded.root.section("fem");
   if (!fem.has("mesh") || fem.section("mesh").has("checksum")) return loaded;

@@ -23,7 +23,8 @@ struct Model {
   std::vector<std::string> port_names;
 };
 
-/// Loads and validates with the whole key table.
+/// Loads and validates with the whole key table; makes bodies and ports of nodes where the scenario
+/// couples them (see nodal_scenario.h).
 [[nodiscard]] Model load_model(const std::filesystem::path& file,
                                const std::vector<scenario::Override>& overrides);
 

@@ -11,13 +11,18 @@ tandem_test(coupled_convergence
   SOURCES convergence/coupled_free_pair.cpp convergence/coupled_orders.cpp convergence/coupled_second_order.cpp
   LIBS coupled_support LABELS convergence)
 tandem_test(coupled_reference
-  SOURCES reference/coupled_reduction.cpp reference/coupled_slider_crank.cpp reference/coupled_truth.cpp
+  SOURCES reference/coupled_nodal.cpp reference/coupled_reduction.cpp reference/coupled_slider_crank.cpp reference/coupled_truth.cpp
     reference/coupled_vibration.cpp
   LIBS coupled_support LABELS reference)
 tandem_test(coupled_equivalence
   SOURCES equivalence/coupled_dense.cpp equivalence/coupled_multi_rate.cpp
     equivalence/coupled_schemes.cpp
   LIBS coupled_support LABELS equivalence)
+
+# Measures what nodal coupling costs over the number of nodes: nodal_cost SVG_FILE.
+add_executable(nodal_cost bench/nodal_cost.cpp)
+target_link_libraries(nodal_cost PRIVATE tandem_options orchestrator fmt::fmt)
+add_dependencies(nodal_cost tandem tandem-mbs tandem-fem)
 
 # Draws what modal reduction costs in accuracy, and prints its tables: reduction SVG_FILE.
 add_executable(reduction bench/reduction.cpp)

@@ -1,0 +1,177 @@
+#include "fem_process/nodal_body.h"
+
+#include <utility>
+
+#include "protocol/contract/error.h"
+
+namespace tandem::fem {
+namespace {
+
+/// The nodes are ports of their own: none is left for a rigid frame.
+Params without_rigid_ports(Params params) {
+  params.ports.clear();
+  return params;
+}
+
+std::string port_name(const Model& model, int node) {
+  return "node_" + std::to_string(model.mesh.node_tags[static_cast<std::size_t>(node)]);
+}
+
+void check_nodal(const Model& model) {
+  const Params& params = model.params;
+  require(params.mass == MassKind::Lumped,
+          "fem: coupling: nodal needs fem.mass: lumped, since a body of the multibody side can "
+          "have no consistent mass.");
+  require(params.formulation != FormulationKind::CraigBampton,
+          "fem: coupling: nodal needs the nodes' own forces. Choose another fem.formulation than "
+          "craig_bampton.");
+  require(params.gravity_m_per_s2.isZero(0.0),
+          "fem: with coupling: nodal the masses belong to the multibody side. Give gravity as "
+          "mbs.gravity_m_per_s2 and leave out fem.gravity_m_per_s2.");
+  require(model.integrator->inertia(),
+          "fem: coupling: nodal is dynamics. Leave out fem.integrator.kind: quasi_static.");
+  if (params.node_ports.empty()) return;  // asked for its masses
+  bool same = params.node_ports.size() == model.free.size();
+  for (std::size_t p = 0; same && p < model.free.size(); ++p) {
+    same = params.node_ports[p].name == port_name(model, model.free[p]);
+  }
+  const scenario::Place& place = params.node_ports.front().place;
+  require(same, (place.file.empty() ? "fem" : place.text()) +
+                    ": ports: with fem.coupling: nodal they are made from the mesh, one for each "
+                    "free node, and these are not they. Leave out ports and mbs.bodies.");
+}
+
+}  // namespace
+
+std::vector<NodeMass> node_masses(const Params& params) {
+  const Model model(without_rigid_ports(params));
+  check_nodal(model);
+  const Eigen::VectorXd v = model.initial_velocities();
+  std::vector<NodeMass> nodes;
+  for (int node : model.free) {
+    const int diagonal = model.pattern().find(node, node);
+    nodes.push_back({.name = port_name(model, node),
+                     .mass_kg = model.mass[static_cast<std::size_t>(diagonal)],
+                     .position_m = model.mesh.X[static_cast<std::size_t>(node)],
+                     .velocity_m_per_s = v.segment<3>(3 * node)});
+  }
+  return nodes;
+}
+
+NodalBody::NodalBody(Params params) : model_(without_rigid_ports(std::move(params))) {
+  check_nodal(model_);
+  info_.name = "fem";
+  for (int node : model_.free) {
+    info_.ports.push_back({port_name(model_, node), diagonal_of(model_.mesh)});
+  }
+  info_.micro_step = model_.params.micro_step;
+  info_.can_linearize = true;
+}
+
+void NodalBody::take(const MotionSet& motions, State& state) const {
+  require(motions.size() == model_.free.size(), "fem: " + std::to_string(motions.size()) +
+                                                    " motions for " +
+                                                    std::to_string(model_.free.size()) + " nodes.");
+  for (std::size_t p = 0; p < motions.size(); ++p) {
+    state.x.segment<3>(3 * model_.free[p]) = motions[p].p_WP;
+    state.v.segment<3>(3 * model_.free[p]) = motions[p].v_WP;
+  }
+}
+
+WrenchSet NodalBody::wrenches(State& state) const {
+  const Damping& damping = model_.params.damping;
+  Eigen::VectorXd f_int;
+  BlockValues K;
+  state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
+  const Eigen::VectorXd f =
+      model_.loads(to_seconds(state.time)) - f_int -
+      multiply(model_.pattern(), K, damping.beta_s * state.v) -
+      damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, state.v);
+  WrenchSet wrenches(model_.free.size());
+  for (std::size_t p = 0; p < wrenches.size(); ++p) {
+    wrenches[p].f_P_W = f.segment<3>(3 * model_.free[p]);
+  }
+  return wrenches;
+}
+
+/// Column by column: derivatives of f_int(x) + β K(x) v along the nodes' axes, and of C v.
+InterfaceJacobian NodalBody::jacobian(const State& state) const {
+  const Damping& damping = model_.params.damping;
+  const auto ports = static_cast<Eigen::Index>(model_.free.size());
+  InterfaceJacobian jacobian = InterfaceJacobian::Zero(6 * ports, 12 * ports);
+  Eigen::VectorXd f_int;
+  BlockValues K;
+  model_.formulation->evaluate(state.x, f_int, K);
+  const Eigen::VectorXd y = damping.beta_s * state.v;
+  for (Eigen::Index p = 0; p < ports; ++p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Eigen::VectorXd unit = Eigen::VectorXd::Zero(state.x.size());
+      unit(3 * model_.free[static_cast<std::size_t>(p)] + axis) = 1.0;
+      const Eigen::VectorXd stiff = model_.formulation->derivative(state.x, y, unit);
+      const Eigen::VectorXd damped =
+          multiply(model_.pattern(), K, damping.beta_s * unit) +
+          damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, unit);
+      for (Eigen::Index q = 0; q < ports; ++q) {
+        const Eigen::Index at = 3 * model_.free[static_cast<std::size_t>(q)];
+        jacobian.block<3, 1>(6 * q, 12 * p + axis) = -stiff.segment<3>(at);
+        jacobian.block<3, 1>(6 * q, 12 * p + 6 + axis) = -damped.segment<3>(at);
+      }
+    }
+  }
+  return jacobian;
+}
+
+WrenchSet NodalBody::initialize(const MotionSet& motions) {
+  require(all_finite(motions), "fem: initialize: the port motions must be finite.");
+  state_ = State{};
+  state_.x = model_.reference();
+  state_.v = Eigen::VectorXd::Zero(state_.x.size());
+  take(motions, state_);
+  WrenchSet result = wrenches(state_);
+  saved_ = state_;
+  return result;
+}
+
+StepResult<WrenchSet> NodalBody::advance(const StepRequest<MotionSet>& request) {
+  require(state_.x.size() > 0, "fem: advance before initialize.");
+  const double begin_s = now_s();
+  StepResult<WrenchSet> result;
+  result.message =
+      "fem: at t = " + std::to_string(to_seconds(state_.time)) +
+      " s: the nodes' motions or forces are not finite. An explicit coupling is stable "
+      "for run.macro_step_s below 2/ω_max only: shorten it, or choose "
+      "interface_jacobian.";
+  if (all_finite(request.input.end)) {
+    State end = state_;
+    end.time += request.step;
+    take(request.input.end, end);
+    result.output = wrenches(end);
+    if (all_finite(result.output)) {
+      result.outcome = Outcome::Done;
+      result.message.clear();
+      if (request.linearize) result.jacobian = jacobian(end);
+      const Eigen::VectorXd loads =
+          model_.loads(to_seconds(state_.time)) + model_.loads(to_seconds(end.time));
+      end.external_work_J += 0.5 * loads.dot(end.x - state_.x);
+      state_ = std::move(end);
+    }
+  }
+  result.cost.compute_s = now_s() - begin_s;
+  return result;
+}
+
+void NodalBody::checkpoint() {
+  saved_ = state_;
+  if (observer_) observer_(state_);
+}
+
+Observation NodalBody::observe() {
+  Observation seen;
+  seen.time = state_.time;
+  seen.state_hash = state_.hash();
+  seen.energy.elastic_J = model_.formulation->energy(state_.x);
+  seen.energy.external_work_J = state_.external_work_J;
+  return seen;
+}
+
+}  // namespace tandem::fem
