@@ -1,11 +1,18 @@
 #include "fem_process/nodal_body.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "fem_process/highest_frequency.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
 namespace {
+
+/// Both interface Jacobians are dense: with so many nodes each has 38 MB, and solving with them
+/// takes a second per step.
+constexpr std::size_t kMostLinearised = 256;
 
 /// The nodes are ports of their own: none is left for a rigid frame.
 Params without_rigid_ports(Params params) {
@@ -15,6 +22,19 @@ Params without_rigid_ports(Params params) {
 
 std::string port_name(const Model& model, int node) {
   return "node_" + std::to_string(model.mesh.node_tags[static_cast<std::size_t>(node)]);
+}
+
+void check_ports(const Model& model) {
+  const std::vector<SetName>& ports = model.params.node_ports;
+  if (ports.empty()) return;  // asked for its masses
+  bool same = ports.size() == model.free.size();
+  for (std::size_t p = 0; same && p < model.free.size(); ++p) {
+    same = ports[p].name == port_name(model, model.free[p]);
+  }
+  const scenario::Place& place = ports.front().place;
+  require(same, (place.file.empty() ? "fem" : place.text()) +
+                    ": ports: with fem.coupling: nodal they are made from the mesh, one for each "
+                    "free node, and these are not they. Leave out ports and mbs.bodies.");
 }
 
 void check_nodal(const Model& model) {
@@ -28,17 +48,15 @@ void check_nodal(const Model& model) {
   require(params.gravity_m_per_s2.isZero(0.0),
           "fem: with coupling: nodal the masses belong to the multibody side. Give gravity as "
           "mbs.gravity_m_per_s2 and leave out fem.gravity_m_per_s2.");
-  require(model.integrator->inertia(),
-          "fem: coupling: nodal is dynamics. Leave out fem.integrator.kind: quasi_static.");
-  if (params.node_ports.empty()) return;  // asked for its masses
-  bool same = params.node_ports.size() == model.free.size();
-  for (std::size_t p = 0; same && p < model.free.size(); ++p) {
-    same = params.node_ports[p].name == port_name(model, model.free[p]);
-  }
-  const scenario::Place& place = params.node_ports.front().place;
-  require(same, (place.file.empty() ? "fem" : place.text()) +
-                    ": ports: with fem.coupling: nodal they are made from the mesh, one for each "
-                    "free node, and these are not they. Leave out ports and mbs.bodies.");
+  require(params.integrator.kind == IntegratorKind::BackwardEuler &&
+              params.integrator.newton_steps == 0 && params.follows_macro_step,
+          "fem: with coupling: nodal the multibody side integrates the nodes' motion. Leave out "
+          "fem.integrator and fem.micro_step_s; mbs.integrator and mbs.micro_step_s take their "
+          "place.");
+  require(params.changes.empty(),
+          "fem: with coupling: nodal the free nodes are bodies throughout. Leave out fem.changes, "
+          "or use coupling: ports.");
+  check_ports(model);
 }
 
 }  // namespace
@@ -65,7 +83,7 @@ NodalBody::NodalBody(Params params) : model_(without_rigid_ports(std::move(param
     info_.ports.push_back({port_name(model_, node), diagonal_of(model_.mesh)});
   }
   info_.micro_step = model_.params.micro_step;
-  info_.can_linearize = true;
+  info_.can_linearize = model_.free.size() <= kMostLinearised;
 }
 
 void NodalBody::take(const MotionSet& motions, State& state) const {
@@ -135,27 +153,28 @@ WrenchSet NodalBody::initialize(const MotionSet& motions) {
 StepResult<WrenchSet> NodalBody::advance(const StepRequest<MotionSet>& request) {
   require(state_.x.size() > 0, "fem: advance before initialize.");
   const double begin_s = now_s();
+  State end = state_;
+  end.time += request.step;
   StepResult<WrenchSet> result;
-  result.message =
-      "fem: at t = " + std::to_string(to_seconds(state_.time)) +
-      " s: the nodes' motions or forces are not finite. An explicit coupling is stable "
-      "for run.macro_step_s below 2/ω_max only: shorten it, or choose "
-      "interface_jacobian.";
   if (all_finite(request.input.end)) {
-    State end = state_;
-    end.time += request.step;
     take(request.input.end, end);
     result.output = wrenches(end);
-    if (all_finite(result.output)) {
-      result.outcome = Outcome::Done;
-      result.message.clear();
-      if (request.linearize) result.jacobian = jacobian(end);
-      const Eigen::VectorXd loads =
-          model_.loads(to_seconds(state_.time)) + model_.loads(to_seconds(end.time));
-      end.external_work_J += 0.5 * loads.dot(end.x - state_.x);
-      state_ = std::move(end);
-    }
   }
+  if (result.output.empty() || !all_finite(result.output)) {
+    result.message = fmt::format(
+        "fem: at t = {:.9g} s: the nodes' motions or forces are not finite. An explicit coupling "
+        "of nodes is stable at rest for run.macro_step_s below {:.3g} s: shorten the step, or "
+        "choose coupling.scheme: interface_jacobian.",
+        to_seconds(end.time), explicit_step_limit_s(model_));
+    return result;
+  }
+  result.outcome = Outcome::Done;
+  result.message.clear();
+  if (request.linearize && info_.can_linearize) result.jacobian = jacobian(end);
+  const Eigen::VectorXd loads =
+      model_.loads(to_seconds(state_.time)) + model_.loads(to_seconds(end.time));
+  end.external_work_J += 0.5 * loads.dot(end.x - state_.x);
+  state_ = std::move(end);
   result.cost.compute_s = now_s() - begin_s;
   return result;
 }

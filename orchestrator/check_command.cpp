@@ -11,9 +11,11 @@
 #include "fem_process/ancf/beam_body.h"
 #include "fem_process/fem_keys.h"
 #include "fem_process/flexible_side.h"
+#include "fem_process/highest_frequency.h"
 #include "fem_process/tet10.h"
 #include "orchestrator/commands.h"
 #include "orchestrator/model.h"
+#include "orchestrator/nodal_scenario.h"
 #include "orchestrator/scenario_options.h"
 #include "orchestrator/scenario_table.h"
 
@@ -50,6 +52,13 @@ std::string describe(const fem::Model& model) {
   }
   if (!model.fixed.empty()) {
     fmt::format_to(std::back_inserter(text), "  held: {} nodes\n", model.fixed.size());
+  }
+  if (model.params.nodal) {
+    fmt::format_to(std::back_inserter(text),
+                   "  nodal coupling: {} point masses in the multibody side, the highest at {:.4g} "
+                   "Hz; explicit_serial is stable below {:.4g} s\n",
+                   model.free.size(), fem::highest_angular_frequency(model) / (2.0 * EIGEN_PI),
+                   fem::explicit_step_limit_s(model));
   }
   for (const std::string& note : model.mesh.notes) text += "  note: " + note + "\n";
   return text;
@@ -103,8 +112,8 @@ void add_check(CLI::App& app) {
       "Validate a scenario with its mesh: file:line:column, what is wrong, what would be right");
   options->declare(*sub);
   sub->callback([options] {
-    const scenario::Loaded loaded =
-        scenario::load(options->file, fem_scenario_table(), options->overrides());
+    const scenario::Loaded loaded = scenario::load(options->file, fem_scenario_table(),
+                                                   with_nodes(options->file, options->overrides()));
     const bool coupled = loaded.root.has("mbs");
     std::printf(
         "%s",

@@ -16,6 +16,7 @@
 #include "fem_process/static_analysis.h"
 #include "fem_process/vtu_writer.h"
 #include "orchestrator/beam_command.h"
+#include "orchestrator/nodal_scenario.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_table.h"
 #include "orchestrator/text_file.h"
@@ -229,7 +230,8 @@ struct FemCommand {
   [[nodiscard]] int run() const {
     std::vector<scenario::Override> overrides;
     for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
-    const scenario::Loaded loaded = scenario::load(file, fem_scenario_table(), overrides);
+    const scenario::Loaded loaded =
+        scenario::load(file, fem_scenario_table(), with_nodes(file, overrides));
     const std::filesystem::path folder = RunDirectory::create_group(
         out.empty() ? std::nullopt : std::optional<std::filesystem::path>(out),
         loaded.root.text("name"), "fem");

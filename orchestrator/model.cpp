@@ -16,9 +16,7 @@ namespace {
 /// Also with the mesh's fingerprint, so that a run folder tells which mesh it is about.
 scenario::Loaded load_with_checksum(const std::filesystem::path& file,
                                     std::vector<scenario::Override> overrides) {
-  for (scenario::Override& made : nodal_overrides(file, overrides)) {
-    overrides.push_back(std::move(made));
-  }
+  overrides = with_nodes(file, std::move(overrides));
   scenario::Loaded loaded = scenario::load(file, scenario_table(), overrides);
   const scenario::Node fem = loaded.root.section("fem");
   if (!fem.has("mesh") || fem.section("mesh").has("checksum")) return loaded;

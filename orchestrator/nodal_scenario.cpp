@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "fem_process/fem_keys.h"
 #include "fem_process/nodal_body.h"
@@ -16,31 +18,44 @@
 namespace tandem::orchestrator {
 namespace {
 
-/// The part of the table that says whether there is anything to make: all of it may be left out.
-scenario::Section probe_table() {
-  scenario::Section table;
-  table.title = "Scenario";
-  scenario::Key bodies;
-  for (const scenario::Key& key : mbs::mbs_keys().section->keys) {
-    if (key.name == "bodies") bodies = key;
-  }
+scenario::Key bodies_key() {
+  const scenario::Key mbs = mbs::mbs_keys();
+  scenario::Key bodies =
+      *std::ranges::find(mbs.section->keys, std::string("bodies"), &scenario::Key::name);
   bodies.required = false;
-  scenario::Section mbs;
-  mbs.title = "Multibody side";
-  mbs.keys = {std::move(bodies)};
-  table.keys = scenario::root_keys();
-  table.keys.push_back(scenario::section("mbs", std::move(mbs)));
-  table.keys.push_back(fem::fem_keys());
-  table.keys.push_back(scenario::ports_keys());
-  for (scenario::Key& key : table.keys) key.required = false;
+  return bodies;
+}
+
+/// The part of the table that says whether there is anything to make: all of it may be left out.
+const scenario::Section& probe_table() {
+  static const scenario::Section table = [] {
+    scenario::Section mbs;
+    mbs.title = "Multibody side";
+    mbs.keys = {bodies_key()};
+    scenario::Section root;
+    root.title = "Scenario";
+    root.keys = scenario::root_keys();
+    for (scenario::Key key : {scenario::run_keys(), scenario::section("mbs", std::move(mbs)),
+                              fem::fem_keys(), scenario::ports_keys()}) {
+      root.keys.push_back(std::move(key));
+    }
+    for (scenario::Key& key : root.keys) key.required = false;
+    return root;
+  }();
   return table;
+}
+
+/// Bodies and ports only as a whole: their parts are named after what is yet to be made.
+bool concerns_probe(const std::string& path) {
+  return path.starts_with("fem.") || path.starts_with("run.") || path == "ports" ||
+         path == "mbs.bodies";
 }
 
 std::optional<scenario::Loaded> probe(const std::filesystem::path& file,
                                       const std::vector<scenario::Override>& overrides) {
   std::vector<scenario::Override> known;
   for (const scenario::Override& override : overrides) {
-    if (override.path.starts_with("fem.")) known.push_back(override);
+    if (concerns_probe(override.path)) known.push_back(override);
   }
   try {
     return scenario::load(file, probe_table(), known, scenario::UnknownKeys::Ignore);
@@ -53,16 +68,20 @@ std::string triple(const Eigen::Vector3d& v) {
   return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z());
 }
 
-}  // namespace
-
-std::vector<scenario::Override> nodal_overrides(const std::filesystem::path& file,
-                                                const std::vector<scenario::Override>& overrides) {
+std::vector<scenario::Override> made_of_nodes(const std::filesystem::path& file,
+                                              const std::vector<scenario::Override>& overrides) {
   const std::optional<scenario::Loaded> loaded = probe(file, overrides);
   if (!loaded || !loaded->root.has("fem")) return {};
   const scenario::Node& root = loaded->root;
   const scenario::Node fem = root.section("fem");
-  if (!fem.has("coupling") || fem.text("coupling") != "nodal" || root.has("ports")) return {};
-  if (root.has("mbs") && root.section("mbs").has("bodies")) {
+  if (!fem.has("coupling") || fem.text("coupling") != "nodal") return {};
+  const bool bodies_listed = root.has("mbs") && root.section("mbs").has("bodies");
+  if (root.has("ports") && bodies_listed) return {};  // a resolved scenario
+  if (root.has("ports")) {
+    root.fail("ports",
+              "with fem.coupling: nodal the ports are made from the mesh. Leave them out.");
+  }
+  if (bodies_listed) {
     root.section("mbs").fail("bodies",
                              "with fem.coupling: nodal the bodies are made from the mesh. Leave "
                              "them out; joints and springs may name them node_<tag>.");
@@ -82,6 +101,15 @@ std::vector<scenario::Override> nodal_overrides(const std::filesystem::path& fil
                    node.name, node.name, node.name);
   }
   return {{"mbs.bodies", "[" + bodies + "]"}, {"ports", "[" + ports + "]"}};
+}
+
+}  // namespace
+
+std::vector<scenario::Override> with_nodes(const std::filesystem::path& file,
+                                           std::vector<scenario::Override> overrides) {
+  std::vector<scenario::Override> all = made_of_nodes(file, overrides);
+  std::ranges::move(overrides, std::back_inserter(all));
+  return all;
 }
 
 }  // namespace tandem::orchestrator

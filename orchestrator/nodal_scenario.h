@@ -7,12 +7,12 @@
 
 namespace tandem::orchestrator {
 
-/// With `fem.coupling: nodal`, the bodies and ports that the mesh stands for, as the overrides that
-/// put them into the scenario: one point mass and one port for every free node, both called
-/// node_<tag>. Nothing for other scenarios, and for one that has them already (a resolved one).
-/// What is wrong with the file beside this is left to loading it. Throws a Usage error when the
-/// scenario lists bodies of its own without the ports.
-[[nodiscard]] std::vector<scenario::Override> nodal_overrides(
-    const std::filesystem::path& file, const std::vector<scenario::Override>& overrides);
+/// The overrides with, in front of them, those that put into a scenario with `fem.coupling: nodal`
+/// what its mesh stands for: one point mass and one port for every free node, both called
+/// node_<tag>; the others may name their parts. Nothing more for other scenarios, and for one that
+/// has both already (a resolved one). What is wrong with the file beside this is left to loading
+/// it. Throws a Usage error when the scenario lists ports or bodies alone.
+[[nodiscard]] std::vector<scenario::Override> with_nodes(const std::filesystem::path& file,
+                                                         std::vector<scenario::Override> overrides);
 
 }  // namespace tandem::orchestrator

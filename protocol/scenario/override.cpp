@@ -35,6 +35,16 @@ std::vector<std::string> split(const std::string& given) {
   return words;
 }
 
+/// The beginning of a text too long for a line. Every value keeps its place: with the whole text in
+/// it, a list of a thousand entries would take gigabytes.
+std::string shortened(const std::string& text) {
+  constexpr std::size_t kLongest = 120;
+  if (text.size() <= kLongest) return text;
+  std::size_t end = kLongest;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  return text.substr(0, end) + "…";
+}
+
 /// Walks from the root along the words of the path, in the document and in the table together.
 class Walk {
  public:
@@ -142,7 +152,7 @@ Override parse_override(const std::string& argument) {
 
 void apply_override(YamlValue& root, const Section& table, const Override& change,
                     std::vector<Defect>& defects) {
-  const Place place{fmt::format("--set {}={}", change.path, change.value), 0, 0};
+  const Place place{shortened(fmt::format("--set {}={}", change.path, change.value)), 0, 0};
   const std::size_t defects_before = defects.size();
   auto value = parse_yaml_at(change.value, place, defects);
   if (!value || defects.size() != defects_before) return;

@@ -179,6 +179,12 @@ INSTANTIATE_TEST_SUITE_P(Reduced, SameBits,
                                          Case{"two_masses", "implicit_aitken", "craig_bampton"}),
                          name_of);
 
+// Every node a body of the multibody side.
+INSTANTIATE_TEST_SUITE_P(Nodal, SameBits,
+                         testing::Values(Case{"bar15", "explicit_serial", "cholmod"},
+                                         Case{"bar15", "interface_jacobian", "cholmod"}),
+                         name_of);
+
 class Repeated : public SameBits {};
 
 TEST_P(Repeated, FiveTimesTheSame) {

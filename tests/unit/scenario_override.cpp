@@ -92,6 +92,20 @@ TEST(Override, BadValuesAreRefusedAtTheArgument) {
                  "brackets.");
 }
 
+// The message names the key; of a value that fills pages it shows the beginning, cut between
+// letters.
+TEST(Override, LongValueIsShortenedInMessages) {
+  std::string value = "x";
+  for (int i = 0; i < 200; ++i) value += "é";
+  const std::vector<std::string> defects =
+      defects_of(kText, table(), {parse_override("solver.steps=" + value)});
+  ASSERT_EQ(defects.size(), 1U);
+  std::string beginning = "--set solver.steps=x";
+  for (int i = 0; i < 50; ++i) beginning += "é";
+  EXPECT_EQ(defects.front().substr(0, beginning.size()), beginning);
+  EXPECT_NE(defects.front().find("é…: solver.steps: "), std::string::npos) << defects.front();
+}
+
 TEST(Override, ArgumentWithoutEqualsSignIsRefused) {
   EXPECT_THROW((void)parse_override("title"), Error);
   EXPECT_THROW((void)parse_override("=5"), Error);
