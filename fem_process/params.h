@@ -99,8 +99,8 @@ struct Params {
   std::vector<Load> loads;
   InitialVelocity initial_velocity;
   std::vector<PortSet> ports;
-  bool nodal = false;  ///< every free node is a mass of the multibody side: NodalBody
-  std::vector<SetName> node_ports;       ///< then: the ports as the scenario has them
+  bool nodal = false;               ///< every free node is a mass of the multibody side: NodalBody
+  std::vector<SetName> node_ports;  ///< then: the ports as the scenario has them
   std::vector<ScheduledChange> changes;  ///< of fixed sets and forces, times ascending
   std::vector<SetName> watch;            ///< node sets whose mean motion is reported
 };
