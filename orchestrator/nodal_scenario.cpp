@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <iterator>
-#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "fem_process/fem_keys.h"
 #include "fem_process/nodal_body.h"
@@ -18,50 +18,60 @@
 namespace tandem::orchestrator {
 namespace {
 
-scenario::Key bodies_key() {
-  const scenario::Key mbs = mbs::mbs_keys();
-  scenario::Key bodies =
-      *std::ranges::find(mbs.section->keys, std::string("bodies"), &scenario::Key::name);
-  bodies.required = false;
-  return bodies;
+/// A key of a section, not required.
+scenario::Key key_of(const scenario::Key& section, const std::string& name) {
+  scenario::Key key = *std::ranges::find(section.section->keys, name, &scenario::Key::name);
+  key.required = false;
+  return key;
 }
 
-/// The part of the table that says whether there is anything to make: all of it may be left out.
-const scenario::Section& probe_table() {
+scenario::Section section_of(std::string title, std::vector<scenario::Key> keys) {
+  scenario::Section section;
+  section.title = std::move(title);
+  section.keys = std::move(keys);
+  for (scenario::Key& key : section.keys) key.required = false;
+  return section;
+}
+
+/// Whether it is about nodes at all.
+bool is_nodal(const std::filesystem::path& file, const std::vector<scenario::Override>& overrides) {
   static const scenario::Section table = [] {
-    scenario::Section mbs;
-    mbs.title = "Multibody side";
-    mbs.keys = {bodies_key()};
-    scenario::Section root;
-    root.title = "Scenario";
-    root.keys = scenario::root_keys();
-    for (scenario::Key key : {scenario::run_keys(), scenario::section("mbs", std::move(mbs)),
-                              fem::fem_keys(), scenario::ports_keys()}) {
-      root.keys.push_back(std::move(key));
+    const scenario::Key coupling =
+        scenario::choice("coupling", {"ports", "nodal"}).by_default("ports");
+    return section_of("Scenario",
+                      {scenario::section("fem", section_of("Flexible body", {coupling}))});
+  }();
+  std::vector<scenario::Override> known;
+  std::ranges::copy_if(overrides, std::back_inserter(known),
+                       [](const auto& o) { return o.path == "fem.coupling"; });
+  try {
+    const scenario::Node root =
+        scenario::load(file, table, known, scenario::UnknownKeys::Ignore).root;
+    return root.has("fem") && root.section("fem").text("coupling") == "nodal";
+  } catch (const Error&) {
+    return false;  // loading it in full says all that is wrong
+  }
+}
+
+/// The part of the table that the nodes follow from; bodies and ports may be left out.
+const scenario::Section& nodal_table() {
+  static const scenario::Section table = [] {
+    const scenario::Section mbs = section_of("Multibody side", {key_of(mbs::mbs_keys(), "bodies")});
+    std::vector<scenario::Key> keys = scenario::root_keys();
+    for (scenario::Key key : {scenario::run_keys(), scenario::section("mbs", mbs), fem::fem_keys(),
+                              scenario::ports_keys()}) {
+      keys.push_back(std::move(key));
     }
-    for (scenario::Key& key : root.keys) key.required = false;
-    return root;
+    return section_of("Scenario", std::move(keys));
   }();
   return table;
 }
 
 /// Bodies and ports only as a whole: their parts are named after what is yet to be made.
-bool concerns_probe(const std::string& path) {
+bool concerns_nodes(const scenario::Override& override) {
+  const std::string& path = override.path;
   return path.starts_with("fem.") || path.starts_with("run.") || path == "ports" ||
          path == "mbs.bodies";
-}
-
-std::optional<scenario::Loaded> probe(const std::filesystem::path& file,
-                                      const std::vector<scenario::Override>& overrides) {
-  std::vector<scenario::Override> known;
-  for (const scenario::Override& override : overrides) {
-    if (concerns_probe(override.path)) known.push_back(override);
-  }
-  try {
-    return scenario::load(file, probe_table(), known, scenario::UnknownKeys::Ignore);
-  } catch (const Error&) {
-    return std::nullopt;  // loading it in full says all that is wrong
-  }
 }
 
 std::string triple(const Eigen::Vector3d& v) {
@@ -70,11 +80,11 @@ std::string triple(const Eigen::Vector3d& v) {
 
 std::vector<scenario::Override> made_of_nodes(const std::filesystem::path& file,
                                               const std::vector<scenario::Override>& overrides) {
-  const std::optional<scenario::Loaded> loaded = probe(file, overrides);
-  if (!loaded || !loaded->root.has("fem")) return {};
-  const scenario::Node& root = loaded->root;
-  const scenario::Node fem = root.section("fem");
-  if (!fem.has("coupling") || fem.text("coupling") != "nodal") return {};
+  if (!is_nodal(file, overrides)) return {};
+  std::vector<scenario::Override> known;
+  std::ranges::copy_if(overrides, std::back_inserter(known), concerns_nodes);
+  const scenario::Node root =
+      scenario::load(file, nodal_table(), known, scenario::UnknownKeys::Ignore).root;
   const bool bodies_listed = root.has("mbs") && root.section("mbs").has("bodies");
   if (root.has("ports") && bodies_listed) return {};  // a resolved scenario
   if (root.has("ports")) {

@@ -213,7 +213,7 @@ TEST(CoupledNodal, RefusesWhatItCannotDo) {
   refused("fem.gravity_m_per_s2", "[0, 0, -9.81]");
   refused("fem.integrator.kind", "quasi_static");
   refused("fem.micro_step_s", "0.0005");
-  refused("fem.changes", "[{at_s: 0.1, release: [fixed]}]");
+  refused("fem.changes", "[{at_s: 0.1, release: fixed}]");
   refused("ports", "[{name: head, body: node_5, node_set: load}]");
   refused("mbs.bodies", "[{name: block, mass_kg: 1, inertia_kg_m2: [1, 1, 1]}]");
 }
