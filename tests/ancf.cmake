@@ -6,6 +6,7 @@ tandem_test(ancf_contract SOURCES contract/ancf_contract.cpp LIBS fem LABELS con
 add_library(beam_support STATIC support/beam_pair.cpp)
 target_link_libraries(beam_support PUBLIC tandem_options orchestrator)
 target_compile_definitions(beam_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+tandem_test(ancf_attachment SOURCES reference/ancf_attachment.cpp LIBS beam_support LABELS reference)
 tandem_test(ancf_vehicle SOURCES reference/ancf_belt.cpp reference/ancf_vehicle.cpp LIBS beam_support LABELS reference)
 tandem_test(ancf_command SOURCES process/ancf_command.cpp LIBS orchestrator fmt::fmt LABELS process)
 

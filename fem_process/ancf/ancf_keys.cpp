@@ -263,6 +263,24 @@ Key wheels_key() {
   return scenario::sections("wheels", std::move(wheel)).doc_is("Wheels in contact with the band.");
 }
 
+Key attachments_key() {
+  Section attachment;
+  attachment.title = "Attachment";
+  attachment.doc =
+      "An end of an open chain that follows a port's frame as it lies in it at t = 0; the port "
+      "takes its reaction.";
+  attachment.keys = {
+      scenario::name("port").must().doc_is("Port whose body holds the end."),
+      scenario::choice("end", {"left", "right"})
+          .must()
+          .doc_is("The chain's beginning, or its end."),
+      scenario::choice("kind", {"hinged", "clamped"})
+          .by_default("hinged")
+          .doc_is("hinged: its point. clamped: its point and gradients."),
+  };
+  return scenario::sections("attachments", std::move(attachment)).doc_is("Ends fixed to bodies.");
+}
+
 Key grounds_key() {
   Section ground;
   ground.title = "Ground";
@@ -368,9 +386,19 @@ Key ancf_keys() {
   ancf.doc =
       "Beams in absolute nodal coordinates: two-node elements of 24 coordinates with constant mass "
       "matrix, joined to a beam, a chain or a track, in contact with wheels and ground.";
-  ancf.keys = {path_key(),        chain_key(),      section_key(),       material_key(),
-               integration_key(), contact_key(),    wheels_key(),        grounds_key(),
-               settle_key(),      beam_loads_key(), beam_velocity_key(), beam_integrator_key(),
+  ancf.keys = {path_key(),
+               chain_key(),
+               section_key(),
+               material_key(),
+               integration_key(),
+               contact_key(),
+               wheels_key(),
+               grounds_key(),
+               attachments_key(),
+               settle_key(),
+               beam_loads_key(),
+               beam_velocity_key(),
+               beam_integrator_key(),
                beam_watch_key()};
   return scenario::section("ancf", std::move(ancf));
 }

@@ -27,13 +27,20 @@ constexpr double kNoTorque = 1e-6;
 
 BeamBody::BeamBody(BeamParams params)
     : params_(std::move(params)),
+      attachments_(params_.model.mesh, params_.attachments),
       system_(params_.model),
       contact_(system_.mesh(), params_.model.section, params_.wheels, params_.grounds,
                params_.grid),
-      step_(system_, contact_, params_.step) {
+      step_(system_, contact_, params_.step, attachments_.empty() ? nullptr : &attachments_) {
   check_teeth(params_);
   info_.name = "fem";
   for (const std::string& name : params_.ports) info_.ports.push_back({name, 0.0});
+  // The bending moment of a clamped end lives on the length of an element.
+  for (const Attachment& end : params_.attachments) {
+    const std::size_t element = end.at_end ? system_.mesh().elements.size() - 1 : 0;
+    info_.ports[static_cast<std::size_t>(end.port)].length_m =
+        system_.mesh().elements[element].length_m;
+  }
   for (const Wheel& wheel : params_.wheels) {
     info_.ports[static_cast<std::size_t>(wheel.port)].length_m = wheel.radius_m;
   }
@@ -53,11 +60,13 @@ WrenchSet BeamBody::initialize(const MotionSet& motions) {
   BeamState& state = now_.state;
   state.q = system_.mesh().q0;
   state.v = state.a = state.A = Eigen::VectorXd::Zero(state.q.size());
+  attachments_.take_places(motions, state.q);
   if (params_.settle.duration > SimTime{}) {
     settle(motions);
   } else {
     set_velocities();
   }
+  attachments_.place(motions, state.q, state.v);
   if (!step_.balance(motions, state, now_.sums)) {
     throw Error(ErrorKind::NotSolved,
                 at_time({}) +
@@ -78,7 +87,7 @@ void BeamBody::settle(const MotionSet& motions) {
   StepParams damped = params_.step;
   damped.mass_damping_per_s = params_.settle.mass_damping_per_s;
   damped.friction = false;
-  const BeamStep step(system_, contact_, damped);
+  const BeamStep step(system_, contact_, damped, attachments_.empty() ? nullptr : &attachments_);
   BeamState& state = now_.state;
   while (state.time < params_.settle.duration) {
     BeamStep::Result next = step.advance(state, {held, held}, params_.settle.step);

@@ -17,10 +17,10 @@ struct BeamEffort {
   int halvings = 0;
 };
 
-/// A chain or beam as the flexible side of a coupled run: motions of the wheels in, contact
-/// wrenches out. A port has no nodes: its body is felt through the band's contact alone, so the
-/// wrench depends on the motion at the end of a step and there is no reaction of attached mass. The
-/// interface Jacobian is there when the macro step is one micro step.
+/// A chain or beam as the flexible side of a coupled run: motions of wheels and of the bodies at
+/// its ends in, wrenches out. A port has no nodes: its body is felt through the band's contact,
+/// whose wrench depends on the motion at the end of a step alone, or holds an end of the chain and
+/// takes its reaction. The interface Jacobian is there when the macro step is one micro step.
 /// Deterministic: the same calls give the same bits, with or without repetitions of steps.
 class BeamBody final : public FemSide {
  public:
@@ -70,6 +70,7 @@ class BeamBody final : public FemSide {
   void check_request(const StepRequest<MotionSet>& request) const;
 
   BeamParams params_;
+  Attachments attachments_;
   BeamSystem system_;
   ContactModel contact_;
   BeamStep step_;

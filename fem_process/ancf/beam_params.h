@@ -39,6 +39,7 @@ struct BeamParams {
   BeamModel model;
   std::vector<Wheel> wheels;
   std::vector<Ground> grounds;
+  std::vector<Attachment> attachments;
   ContactGrid grid;
   StepParams step;
   SettleParams settle;

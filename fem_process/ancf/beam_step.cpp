@@ -30,8 +30,9 @@ std::uint64_t fingerprint(const BeamState& state, double h_s) {
 
 }  // namespace
 
-BeamStep::BeamStep(const BeamSystem& system, const ContactModel& contact, const StepParams& params)
-    : system_(system), contact_(contact), params_(params) {}
+BeamStep::BeamStep(const BeamSystem& system, const ContactModel& contact, const StepParams& params,
+                   const Attachments* attachments)
+    : system_(system), contact_(contact), attachments_(attachments), params_(params) {}
 
 BeamStep::Alpha BeamStep::alpha(double h_s) const {
   const double rho = params_.rho_inf;
@@ -41,9 +42,9 @@ BeamStep::Alpha BeamStep::alpha(double h_s) const {
   return a;
 }
 
-bool BeamStep::residual(const BeamState& state, const MotionSet& motions, double t_s,
-                        double damping, std::optional<double> theta, ElementArrays& elements,
-                        ContactSums& sums, Eigen::VectorXd& r) const {
+bool BeamStep::imbalance(const BeamState& state, const MotionSet& motions, double t_s,
+                         double damping, std::optional<double> theta, ElementArrays& elements,
+                         ContactSums& sums, Eigen::VectorXd& r) const {
   const int inverted = theta ? system_.kernel().tangents(state.q, state.v, *theta, elements)
                              : system_.kernel().forces(state.q, state.v, elements);
   if (inverted > 0) return false;
@@ -51,6 +52,13 @@ bool BeamStep::residual(const BeamState& state, const MotionSet& motions, double
   r = system_.mass_times(damping == 0.0 ? state.a : Eigen::VectorXd(state.a + damping * state.v));
   system_.add_forces(elements, r);
   r = system_.external_forces(t_s) - r;
+  return true;
+}
+
+bool BeamStep::residual(const BeamState& state, const MotionSet& motions, double t_s,
+                        double damping, std::optional<double> theta, ElementArrays& elements,
+                        ContactSums& sums, Eigen::VectorXd& r) const {
+  if (!imbalance(state, motions, t_s, damping, theta, elements, sums, r)) return false;
   system_.clear_fixed(r);
   return true;
 }
@@ -71,6 +79,17 @@ bool BeamStep::balance(const MotionSet& motions, BeamState& state, ContactSums& 
   factor->solve(r);
   state.a = r;
   state.A = r;
+  return attachments_ == nullptr || add_loads(motions, state, elements, sums);
+}
+
+bool BeamStep::add_loads(const MotionSet& motions, const BeamState& state, ElementArrays& elements,
+                         ContactSums& sums) const {
+  Eigen::VectorXd balance;
+  if (!imbalance(state, motions, to_seconds(state.time), params_.mass_damping_per_s, std::nullopt,
+                 elements, sums, balance)) {
+    return false;
+  }
+  attachments_->add_wrenches(motions, balance, sums.wheels);
   return true;
 }
 
@@ -174,6 +193,9 @@ void BeamStep::cut(const BeamState& begin, const Segment<MotionSet>& input, doub
   state.q += length_s * begin.v + (0.5 * length_s * length_s) * begin.A;
   state.v += length_s * begin.A;
   state.a = (begin.A - coefficients.af * begin.a) / (1.0 - coefficients.af);
+  if (attachments_ != nullptr) {
+    attachments_->advance(motions, length_s, begin.v, begin.A, state.q, state.v, state.a, state.A);
+  }
   const Try end = newton(coefficients, motions, t_s, result);
   if (end.end == End::Converged) {
     state.time = begin.time + SimTime(std::llround(length_s * 1e9));
@@ -214,8 +236,13 @@ BeamStep::Result BeamStep::advance(const BeamState& begin, const Segment<MotionS
   // The wrenches belong to the state as it is after the last correction.
   static thread_local ElementArrays elements;
   elements.force.assign(system_.mesh().elements.size() * kCoordinates, 0.0);
-  contact_.add(result.state.q, result.state.v, input.end, params_.friction, std::nullopt, elements,
-               result.sums);
+  if (attachments_ == nullptr) {
+    contact_.add(result.state.q, result.state.v, input.end, params_.friction, std::nullopt,
+                 elements, result.sums);
+  } else if (!add_loads(input.end, result.state, elements, result.sums)) {
+    result.outcome = Outcome::Failed;
+    result.message = "an element is turned inside out (det F ≤ 0). Shorten run.macro_step_s.";
+  }
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "fem_process/ancf/attachment.h"
 #include "fem_process/ancf/beam_state.h"
 #include "fem_process/ancf/beam_system.h"
 #include "fem_process/ancf/contact_model.h"
@@ -30,10 +31,12 @@ struct StepParams {
 /// natural level function ‖S⁻¹ R‖ falls [Deuflhard 2004, §3.3].
 class BeamStep {
  public:
-  BeamStep(const BeamSystem& system, const ContactModel& contact, const StepParams& params);
+  /// `attachments`: of the ends of the chain, which the system's mesh holds as fixed; null: none.
+  BeamStep(const BeamSystem& system, const ContactModel& contact, const StepParams& params,
+           const Attachments* attachments = nullptr);
 
-  /// Accelerations at the state's q, v: consistent with the forces, A = a. False when the mass
-  /// matrix is singular.
+  /// Accelerations at the state's q, v: consistent with the forces, A = a; zero at attached ends.
+  /// False when the mass matrix is singular.
   bool balance(const MotionSet& motions, BeamState& state, ContactSums& sums) const;
 
   struct Result {
@@ -52,7 +55,8 @@ class BeamStep {
   /// d wrenches / d motions at the end of a step of length h that ended at `state`, 6P × 12P as the
   /// contract has it: with the balance R(q⁺; m) = 0 and its tangent S = −∂R/∂q⁺,
   ///   dλ/dm = ∂λ/∂m + ∂λ/∂q⁺ S⁻¹ ∂R/∂m.
-  /// Exact but for what the tooth forces leave out. Empty when S is singular.
+  /// Attached unknowns are functions of m and not among q⁺; they add −∂R/∂q_a ∂q_a/∂m to ∂R/∂m, and
+  /// their rates likewise. Exact but for what the tooth forces leave out. Empty when S is singular.
   [[nodiscard]] std::optional<InterfaceJacobian> jacobian(const BeamState& state,
                                                           const MotionSet& motions,
                                                           SimTime h) const;
@@ -69,6 +73,16 @@ class BeamStep {
     [[nodiscard]] double mass() const { return (1.0 - am) / ((1.0 - af) * beta * h * h); }
   };
   [[nodiscard]] Alpha alpha(double h_s) const;
+  /// Derivatives at the end of a step as its wrenches have them, see jacobian().
+  struct Slopes {
+    Eigen::MatrixXd balance;   ///< ∂R/∂m, unknowns × 12P
+    Eigen::MatrixXd wrench_q;  ///< (∂λ/∂q⁺)ᵀ, unknowns × 6P
+    Eigen::MatrixXd wrench_v;  ///< (∂λ/∂v⁺)ᵀ
+    InterfaceJacobian direct;  ///< ∂λ/∂m, 6P × 12P
+  };
+  void add_touches(const BeamState& state, const MotionSet& motions, Slopes& slopes) const;
+  bool add_attachments(const Alpha& alpha, const BeamState& state, const MotionSet& motions,
+                       const std::vector<double>& step_matrix, Slopes& slopes) const;
   enum class End { Converged, Stalled, Inverted, Singular };
   struct Try {
     End end = End::Stalled;
@@ -83,14 +97,22 @@ class BeamStep {
   /// The unknowns of the end of the step change by d.
   static void correct(const Alpha& alpha, const Eigen::VectorXd& d, BeamState& state);
   /// f_ext − f_int + f_contact − α_M M v − M a; false when an element is turned inside out.
+  bool imbalance(const BeamState& state, const MotionSet& motions, double t_s, double damping,
+                 std::optional<double> theta, ElementArrays& elements, ContactSums& sums,
+                 Eigen::VectorXd& r) const;
+  /// The same without the rows of fixed and attached unknowns.
   bool residual(const BeamState& state, const MotionSet& motions, double t_s, double damping,
                 std::optional<double> theta, ElementArrays& elements, ContactSums& sums,
                 Eigen::VectorXd& r) const;
+  /// The contact sums at a state with the loads of attached ends; false: inside out.
+  bool add_loads(const MotionSet& motions, const BeamState& state, ElementArrays& elements,
+                 ContactSums& sums) const;
   void cut(const BeamState& begin, const Segment<MotionSet>& input, double s0, double s1, SimTime h,
            int depth, Result& result) const;
 
   const BeamSystem& system_;
   const ContactModel& contact_;
+  const Attachments* attachments_;
   StepParams params_;
 };
 

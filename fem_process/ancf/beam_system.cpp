@@ -159,8 +159,8 @@ void BeamSystem::add_forces(const ElementArrays& elements, Eigen::VectorXd& f) c
   }
 }
 
-void BeamSystem::assemble(const ElementArrays& elements, double mass_factor,
-                          std::vector<double>& values) const {
+void BeamSystem::sum(const ElementArrays& elements, double mass_factor,
+                     std::vector<double>& values) const {
   values.assign(solver_.pattern().entries(), 0.0);
   for (const MassEntry& entry : masses_) {
     for (int c = 0; c < 3; ++c) {
@@ -181,6 +181,9 @@ void BeamSystem::assemble(const ElementArrays& elements, double mass_factor,
     }
     tangent += kCoordinates * kCoordinates;
   }
+}
+
+void BeamSystem::hold(std::vector<double>& values) const {
   for (int position : cleared_) values[static_cast<std::size_t>(position)] = 0.0;
   for (int position : units_) values[static_cast<std::size_t>(position)] = 1.0;
 }

@@ -62,9 +62,16 @@ class BeamSystem {
 
   /// f += Bᵀ f_e.
   void add_forces(const ElementArrays& elements, Eigen::VectorXd& f) const;
-  /// Σ Bᵀ K_e B + mass_factor M with unit rows and columns at fixed unknowns.
+  /// Σ Bᵀ K_e B + mass_factor M.
+  void sum(const ElementArrays& elements, double mass_factor, std::vector<double>& values) const;
+  /// Makes rows and columns of fixed unknowns unit ones.
+  void hold(std::vector<double>& values) const;
+  /// Both.
   void assemble(const ElementArrays& elements, double mass_factor,
-                std::vector<double>& values) const;
+                std::vector<double>& values) const {
+    sum(elements, mass_factor, values);
+    hold(values);
+  }
   /// Zero at fixed unknowns.
   void clear_fixed(Eigen::Ref<Eigen::VectorXd> x) const;
 

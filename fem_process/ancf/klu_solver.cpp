@@ -14,6 +14,32 @@ int ColumnPattern::find(int row_index, int column) const {
   return static_cast<int>(std::lower_bound(begin, end, row_index) - row.begin());
 }
 
+Eigen::MatrixXd ColumnPattern::times(const std::vector<double>& values,
+                                     const Eigen::MatrixXd& X) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(size, X.cols());
+  for (int j = 0; j < size; ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    for (int p = column_start[at]; p < column_start[at + 1]; ++p) {
+      const auto entry = static_cast<std::size_t>(p);
+      product.row(row[entry]) += values[entry] * X.row(j);
+    }
+  }
+  return product;
+}
+
+Eigen::MatrixXd ColumnPattern::transposed_times(const std::vector<double>& values,
+                                                const Eigen::MatrixXd& X) const {
+  Eigen::MatrixXd product = Eigen::MatrixXd::Zero(size, X.cols());
+  for (int j = 0; j < size; ++j) {
+    const auto at = static_cast<std::size_t>(j);
+    for (int p = column_start[at]; p < column_start[at + 1]; ++p) {
+      const auto entry = static_cast<std::size_t>(p);
+      product.row(j) += values[entry] * X.row(row[entry]);
+    }
+  }
+  return product;
+}
+
 struct KluSymbolic {
   klu_common common{};
   klu_symbolic* symbolic = nullptr;

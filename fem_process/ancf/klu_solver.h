@@ -14,6 +14,11 @@ struct ColumnPattern {
   [[nodiscard]] std::size_t entries() const { return row.size(); }
   /// Index of an entry that is in the pattern.
   [[nodiscard]] int find(int row_index, int column) const;
+  /// A X and Aᵀ X of the matrix with these values.
+  [[nodiscard]] Eigen::MatrixXd times(const std::vector<double>& values,
+                                      const Eigen::MatrixXd& X) const;
+  [[nodiscard]] Eigen::MatrixXd transposed_times(const std::vector<double>& values,
+                                                 const Eigen::MatrixXd& X) const;
 };
 
 struct KluSymbolic;

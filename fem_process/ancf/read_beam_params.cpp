@@ -102,6 +102,15 @@ Teeth read_teeth(const Node& node, const ContactParams& contact) {
           .damping_depth_m = contact.damping_depth_m};
 }
 
+/// Index of the port that `port` names.
+int port_of(const Node& node, const BeamParams& params) {
+  const auto port = std::find(params.ports.begin(), params.ports.end(), node.text("port"));
+  if (port == params.ports.end()) {
+    node.fail("port", "names no port." + scenario::did_you_mean(node.text("port"), params.ports));
+  }
+  return static_cast<int>(port - params.ports.begin());
+}
+
 ContactParams with_friction(ContactParams params, const Node& surface) {
   if (surface.has("friction")) params.friction = surface.real("friction");
   return params;
@@ -123,12 +132,7 @@ void read_surfaces(const Node& ancf, BeamParams& params) {
                  static_cast<int>(contact.integer("points_across"))};
   if (ancf.has("wheels")) {
     for (const Node& node : ancf.list("wheels")) {
-      const auto port = std::find(params.ports.begin(), params.ports.end(), node.text("port"));
-      if (port == params.ports.end()) {
-        node.fail("port",
-                  "names no port." + scenario::did_you_mean(node.text("port"), params.ports));
-      }
-      Wheel wheel{.port = static_cast<int>(port - params.ports.begin()),
+      Wheel wheel{.port = port_of(node, params),
                   .radius_m = node.real("radius_m"),
                   .face = read_face(node),
                   .contact = with_friction(common, node)};
@@ -161,17 +165,40 @@ void read_ports_of(const Node& root, BeamParams& params) {
         port.node_set.empty(),
         port.place.text() + ": port '" + port.name +
             "' names a node set, which an ANCF chain does not have. Take node_set away and name "
-            "the port in fem.ancf.wheels.");
+            "the port in fem.ancf.wheels or fem.ancf.attachments.");
     params.ports.push_back(port.name);
   }
 }
 
-void require_wheels(const Node& root, const BeamParams& params) {
+void read_attachments(const Node& ancf, BeamParams& params) {
+  if (!ancf.has("attachments")) return;
+  const bool closed = ancf.section("path").text("kind") == "loop";
+  const Node chain = ancf.section("chain");
+  for (const Node& node : ancf.list("attachments")) {
+    if (closed) node.fail("end", "is of no use: a closed chain has no ends.");
+    const std::string end = node.text("end");
+    if (chain.text(end + "_support") != "free") {
+      node.fail("end", "is held by chain." + end + "_support already. Leave that one free.");
+    }
+    const bool at_end = end == "right";
+    for (const Attachment& other : params.attachments) {
+      if (other.at_end == at_end) node.fail("end", "is attached already. Use the other end.");
+    }
+    params.attachments.push_back(
+        {.port = port_of(node, params),
+         .at_end = at_end,
+         .support = node.text("kind") == "clamped" ? Support::Clamped : Support::Hinged});
+  }
+}
+
+void require_use(const Node& root, const BeamParams& params) {
   for (std::size_t p = 0; p < params.ports.size(); ++p) {
-    const bool used = std::any_of(params.wheels.begin(), params.wheels.end(),
-                                  [&](const Wheel& w) { return w.port == static_cast<int>(p); });
+    const auto here = [&](const auto& part) { return part.port == static_cast<int>(p); };
+    const bool used = std::any_of(params.wheels.begin(), params.wheels.end(), here) ||
+                      std::any_of(params.attachments.begin(), params.attachments.end(), here);
     require(used, scenario::read_ports(root)[p].place.text() + ": port '" + params.ports[p] +
-                      "' belongs to no wheel of fem.ancf.wheels. Add one or take the port away.");
+                      "' belongs to no wheel of fem.ancf.wheels and no end of "
+                      "fem.ancf.attachments. Add one or take the port away.");
   }
 }
 
@@ -228,7 +255,8 @@ BeamParams read_beam_params(const Node& root) {
   }
   read_ports_of(root, params);
   read_surfaces(ancf, params);
-  require_wheels(root, params);
+  read_attachments(ancf, params);
+  require_use(root, params);
   const Node integrator = ancf.section("integrator");
   params.step = {.rho_inf = integrator.real("rho_inf"),
                  .tolerance_m = integrator.real("tolerance_m"),

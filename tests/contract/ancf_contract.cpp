@@ -90,6 +90,31 @@ TEST(AncfContract, ManyStepsEndExactlyAtTheirSum) {
   EXPECT_EQ(body.observe().time, SimTime(15'000'000));
 }
 
+/// The Jacobian of a step of 0.5 ms from the last checkpoint against central differences, which
+/// have the round-off of wrenches over steps of 1e-8 as part of the Jacobian's norm.
+void expect_exact_jacobian(BeamBody& body, const MotionSet& begin, const MotionSet& end,
+                           double round_off) {
+  const SimTime h(500'000);
+  const auto wrench_at = [&](const Eigen::VectorXd& change) {
+    body.rollback();
+    const auto result = body.advance({.step = h, .input = {begin, displaced(end, change)}});
+    EXPECT_EQ(result.outcome, Outcome::Done) << result.message;
+    return stack(result.output);
+  };
+  const auto linear = body.advance({.step = h, .input = {begin, end}, .linearize = true});
+  ASSERT_TRUE(linear.jacobian.has_value());
+  ASSERT_GT(stack(linear.output).norm(), 1.0);
+  // Translations and rotations by 1e-8, velocities and spins by 1e-5: no point changes its state.
+  for (Eigen::Index j = 0; j < linear.jacobian->cols(); ++j) {
+    const double step = j % 12 < 6 ? 1e-8 : 1e-5;
+    const Eigen::VectorXd d = step * Eigen::VectorXd::Unit(linear.jacobian->cols(), j);
+    const Eigen::VectorXd difference = (wrench_at(d) - wrench_at(-d)) / (2.0 * step);
+    EXPECT_LT((linear.jacobian->col(j) - difference).norm(),
+              1e-5 * difference.norm() + round_off * linear.jacobian->norm())
+        << "column " << j;
+  }
+}
+
 TEST(AncfContract, JacobianIsTheDerivativeOfTheWrench) {
   BeamParams params = belt();
   params.step.tolerance_m = 1e-13;
@@ -100,37 +125,74 @@ TEST(AncfContract, JacobianIsTheDerivativeOfTheWrench) {
     ASSERT_EQ(body.advance(request(t, t + 5e-4, SimTime(500'000))).outcome, Outcome::Done);
   }
   body.checkpoint();
-  const MotionSet begin = wheel_at(0.01);
-  const MotionSet end = wheel_at(0.0105);
-  const auto wrench_at = [&](const Eigen::Matrix<double, 12, 1>& change) {
-    MotionSet moved = end;
-    moved[0].p_WP += change.segment<3>(0);
-    const Eigen::Vector3d turn = change.segment<3>(3);
-    if (turn.norm() > 0.0) {
-      moved[0].q_WP = Eigen::AngleAxisd(turn.norm(), turn.normalized()) * moved[0].q_WP;
-    }
-    moved[0].v_WP += change.segment<3>(6);
-    moved[0].w_WP += change.segment<3>(9);
-    body.rollback();
-    const auto result = body.advance({.step = SimTime(500'000), .input = {begin, moved}});
-    EXPECT_EQ(result.outcome, Outcome::Done) << result.message;
-    return stack(result.output);
-  };
-  const auto linear =
-      body.advance({.step = SimTime(500'000), .input = {begin, end}, .linearize = true});
-  ASSERT_TRUE(linear.jacobian.has_value());
-  ASSERT_GT(stack(linear.output).norm(), 1.0);
-  Eigen::MatrixXd differences(6, 12);
-  // Translations and rotations by 1e-8, velocities and spins by 1e-5: no point changes its state.
-  for (Eigen::Index j = 0; j < 12; ++j) {
-    const double step = j < 6 ? 1e-8 : 1e-5;
-    const Eigen::Matrix<double, 12, 1> d = step * Eigen::Matrix<double, 12, 1>::Unit(j);
-    differences.col(j) = (wrench_at(d) - wrench_at(-d)) / (2.0 * step);
-    // Wrenches of 15 N have round-off and Newton errors of 1e-13 N or less over steps of 1e-8.
-    EXPECT_LT((linear.jacobian->col(j) - differences.col(j)).norm(),
-              1e-5 * differences.col(j).norm() + 1e-8 * linear.jacobian->norm())
-        << "column " << j;
+  // Wrenches of 15 N have round-off and Newton errors of 1e-13 N or less.
+  expect_exact_jacobian(body, wheel_at(0.01), wheel_at(0.0105), 1e-8);
+}
+
+/// The belt on a turning wheel with one end hinged to a body and the other one clamped to another,
+/// which shake.
+BeamParams held_belt() {
+  BeamParams params = belt();
+  params.model.mesh.fixed.assign(params.model.mesh.fixed.size(), false);
+  params.ports = {"wheel", "first", "second"};
+  params.attachments = {{.port = 1, .support = Support::Hinged},
+                        {.port = 2, .at_end = true, .support = Support::Clamped}};
+  params.step.tolerance_m = 1e-13;
+  return params;
+}
+
+MotionSet shaken_at(double t) {
+  const double a = 20.0 * t;
+  Motion first;
+  first.p_WP = {-0.02, 0.01, 1e-3 * std::sin(a)};
+  first.v_WP = {0.0, 0.0, 0.02 * std::cos(a)};
+  first.q_WP = Eigen::AngleAxisd(0.05 * std::sin(a), Eigen::Vector3d::UnitX());
+  first.w_WP = {std::cos(a), 0.0, 0.0};
+  Motion second;
+  second.p_WP = {0.85, 0.0, 1e-3 * (1.0 - std::cos(a))};
+  second.v_WP = {0.0, 0.0, 0.02 * std::sin(a)};
+  second.q_WP = Eigen::AngleAxisd(0.02 * std::sin(a), Eigen::Vector3d::UnitY());
+  second.w_WP = {0.0, 0.4 * std::cos(a), 0.0};
+  return {wheel_at(t)[0], first, second};
+}
+
+TEST(AncfContract, JacobianOfAttachedEndsIsTheDerivativeOfTheirWrenches) {
+  BeamBody body(held_belt());
+  body.initialize(shaken_at(0.0));
+  const SimTime h(500'000);
+  for (int k = 0; k < 20; ++k) {
+    const double t = 5e-4 * k;
+    ASSERT_EQ(body.advance({.step = h, .input = {shaken_at(t), shaken_at(t + 5e-4)}}).outcome,
+              Outcome::Done);
   }
+  body.checkpoint();
+  EXPECT_GT(body.sums().wheels[0].f_P_W.norm(), 1.0);  // the wheel does touch
+  // The round-off of positions of the size of 1 m meets the stiffness of an element itself: some
+  // 1e-16 m over the 1e-8 m of a step.
+  expect_exact_jacobian(body, shaken_at(0.01), shaken_at(0.0105), 1e-7);
+}
+
+TEST(AncfContract, AttachedEndsFollowTheirPortsAndRollBackExactly) {
+  BeamBody body(held_belt());
+  body.initialize(shaken_at(0.0));
+  const SimTime H(1'000'000);
+  const auto step = [&](double to) {
+    return body.advance({.step = H, .input = {shaken_at(0.0), shaken_at(to)}});
+  };
+  const auto expected = step(1e-3);
+  const Observation after = body.observe();
+  body.rollback();
+  ASSERT_EQ(step(2e-3).outcome, Outcome::Done);
+  body.rollback();
+  EXPECT_EQ(stack(step(1e-3).output), stack(expected.output));
+  EXPECT_EQ(body.observe().state_hash, after.state_hash);
+  // As they lay at t = 0: the tip 0.05 m before the second port, its gradients those of its frame.
+  const MotionSet now = shaken_at(1e-3);
+  const BeamVectors last = body.system().mesh().gather(7, body.state().q);
+  EXPECT_LT((last.col(4) - now[2].p_WP - now[2].q_WP * Eigen::Vector3d(-0.05, 0.0, 0.0)).norm(),
+            1e-15);
+  EXPECT_LT((last.col(5) - last.col(5).norm() * (now[2].q_WP * Eigen::Vector3d::UnitX())).norm(),
+            1e-15);
 }
 
 TEST(AncfContract, WhatFailsLeavesTheStateAndNamesCauseAndRemedy) {

@@ -50,12 +50,25 @@ TEST(AncfSameBits, ImplicitCouplingRollsBackExactly) {
             summary_of(folder / "inproc").at("state_hash"));
 }
 
+TEST(AncfSameBits, RopeBetweenTwoBodies) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> start{"--set", "run.duration_s=0.4"};
+  const Ended local =
+      run_command(run_of("rope_crane", folder / "inproc", with(start, {"--transport", "inproc"})));
+  ASSERT_EQ(local.code, 0) << local.output;
+  const Ended remote = run_command(run_of("rope_crane", folder / "lcm", start));
+  ASSERT_EQ(remote.code, 0) << remote.output;
+  EXPECT_EQ(summary_of(folder / "lcm").at("state_hash"),
+            summary_of(folder / "inproc").at("state_hash"));
+}
+
 TEST(AncfInput, WhatDoesNotFitIsToldWithItsRemedy) {
   const TemporaryFolder folder;
+  std::string example = "tracked_vehicle";
   const auto refused = [&](const std::string& setting, const std::string& cause,
                            const std::string& remedy) {
     const Ended ended = run_command(
-        run_of("tracked_vehicle", folder / "refused", {"--transport", "inproc", "--set", setting}));
+        run_of(example, folder / "refused", {"--transport", "inproc", "--set", setting}));
     EXPECT_EQ(ended.code, 2) << setting << ": " << ended.output;
     EXPECT_NE(ended.output.find(cause), std::string::npos) << setting << ": " << ended.output;
     EXPECT_NE(ended.output.find(remedy), std::string::npos) << setting << ": " << ended.output;
@@ -67,6 +80,12 @@ TEST(AncfInput, WhatDoesNotFitIsToldWithItsRemedy) {
   refused("fem.ancf.grounds.0.point_m=[0, 0, 0.05]", "the ground reaches",
           "Raise the chain's path");
   refused("fem.ancf.settle.step_s=7e-5", "whole multiple", "step_s");
+  refused("fem.ancf.attachments=[{port: idler, end: left}]", "has no ends", "closed chain");
+  example = "rope_crane";
+  refused("fem.ancf.chain.left_support=hinged", "held by chain.left_support",
+          "Leave that one free");
+  refused("fem.ancf.attachments.1.end=left", "attached already", "Use the other end");
+  refused("fem.ancf.attachments.1.port=trolly", "names no port", "Did you mean 'trolley'");
 }
 
 TEST(AncfInput, AStepBeyondTheStableOneEndsWithCauseAndRemedy) {
