@@ -14,6 +14,10 @@ namespace {
 /// iterate: a contact or a limit has switched, or the blocks are too old.
 constexpr std::int32_t kPatience = 4;
 
+/// Newton steps that do not lower the residual to this part from one linearisation to the next go
+/// round between pieces of a law (touching or not, stick or slip): they are halved.
+constexpr double kRound = 0.5;
+
 MacroStepEnd not_converged(MacroStepEnd end, double limit_N) {
   end.outcome = Outcome::NotConverged;
   end.message = fmt::format(
@@ -55,6 +59,8 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
   Linearize linearize{.mbs = mbs_block_.begin_step(H), .fem = fem_block_.begin_step(H)};
   Eigen::PartialPivLU<Eigen::MatrixXd> newton_matrix;
   double round_off_N = 0.0;
+  double part = 1.0;  // of a Newton step
+  double linearised_N = std::numeric_limits<double>::infinity();
   Evaluation last;
   WrenchSet last_lambda;
   for (std::int32_t k = 1;; ++k) {
@@ -82,8 +88,12 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
       newton_matrix.compute(Eigen::MatrixXd::Identity(n, n) -
                             fem_block_.value() * mbs_block_.value());
     }
+    if (linearize.fem) {
+      part = end.residual_N > kRound * linearised_N ? 0.5 * part : 1.0;
+      linearised_N = end.residual_N;
+    }
     last_lambda = lambda;
-    lambda = unstack_wrenches(stack(lambda) + newton_matrix.solve(evaluation.residual));
+    lambda = unstack_wrenches(stack(lambda) + part * newton_matrix.solve(evaluation.residual));
     linearize.mbs = linearize.fem = k % kPatience == 0;
     last = std::move(evaluation);
   }

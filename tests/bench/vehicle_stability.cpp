@@ -23,8 +23,8 @@ namespace tandem::coupled_test {
 namespace {
 
 constexpr double kMostDifference = 0.05;
-const std::vector<std::string> kSteps{"1e-4", "2e-4", "2.5e-4", "4e-4", "5e-4",
-                                      "1e-3", "2e-3", "2.5e-3", "4e-3", "5e-3"};
+const std::vector<std::string> kSteps{"1e-4", "2e-4", "2.5e-4", "4e-4", "5e-4", "1e-3",
+                                      "2e-3", "4e-3", "5e-3",   "8e-3", "1e-2"};
 
 struct Scheme {
   std::string name;

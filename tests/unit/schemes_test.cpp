@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -139,6 +140,54 @@ TEST(InterfaceJacobian, ConvergesOnAHardeningSpring) {
   const RunReport report = run(c);
   ASSERT_EQ(report.status, RunStatus::Done) << report.message;
   EXPECT_GT(report.iterations_max, 2);
+}
+
+/// Trilinear Coulomb friction on the port: λ = −F clamp(v/v₀, −1, 1). It has no state.
+class Brake final : public FemSide {
+ public:
+  Brake(double limit_N, double speed_m_per_s) : limit_N_(limit_N), speed_(speed_m_per_s) {
+    info_ = {.name = "fem", .ports = {{"p", 0.1}}, .can_linearize = true};
+  }
+  const SubsystemInfo& info() const override { return info_; }
+  WrenchSet initialize(const MotionSet& motions) override { return {friction(motions)}; }
+  StepResult<WrenchSet> advance(const StepRequest<MotionSet>& request) override {
+    StepResult<WrenchSet> result{.outcome = Outcome::Done, .message = ""};
+    result.output = {friction(request.input.end)};
+    const bool sticks = std::abs(request.input.end[0].v_WP.x()) < speed_;
+    result.jacobian = InterfaceJacobian::Zero(6, 12);
+    if (sticks) (*result.jacobian)(0, 6) = -limit_N_ / speed_;
+    return result;
+  }
+  void checkpoint() override { ++accepted; }
+  void rollback() override { ++rejected; }
+  Observation observe() override { return {}; }
+  int accepted = 0, rejected = 0;
+
+ private:
+  [[nodiscard]] Wrench friction(const MotionSet& motions) const {
+    Wrench wrench;
+    wrench.f_P_W.x() = -limit_N_ * std::clamp(motions[0].v_WP.x() / speed_, -1.0, 1.0);
+    return wrench;
+  }
+  SubsystemInfo info_;
+  double limit_N_, speed_;
+};
+
+TEST(InterfaceJacobian, FindsTheStickBetweenTwoSlips) {
+  // Sliding at 0.3 m/s, which the brake's impulse H F/m = 1 m/s more than stops: slipping either
+  // way makes it slip the other way, full Newton steps go round without end. It sticks with
+  // v + (H F/m) v/v₀ = 0.3 m/s.
+  MassMbs mbs(1.0, {.v = 0.3});
+  Brake brake(1000.0, 0.1);
+  InterfaceJacobianScheme scheme({}, brake.info().ports);
+  InterfaceState state;
+  state.motions = mbs.initialize(WrenchSet(1));
+  state.wrenches = WrenchSet(1);
+  mbs.checkpoint();
+  const MacroStepEnd end = scheme.advance(sim_time_from_seconds(1e-3), state, mbs, brake);
+  ASSERT_EQ(end.outcome, Outcome::Done) << end.message;
+  EXPECT_NEAR(end.motions[0].v_WP.x(), 0.3 / 11.0, 1e-12);
+  EXPECT_EQ(brake.rejected, end.iterations - 1);
 }
 
 TEST(InterfaceJacobian, RefusesASideWithoutJacobian) {
