@@ -123,12 +123,13 @@ Advice advise(const LoadTrial& load, const AdviseOptions& options) {
                                    static_cast<double>(options.trial_steps) * advice.step_s);
   const double duration_s =
       advice.trial_step_s * std::max(1.0, std::round(wanted_s / advice.trial_step_s));
-  const WorkPrecision trial = work_precision(
-      [&](const std::string& scheme, double step_s) { return load(scheme, step_s, duration_s); },
-      {.schemes = {"explicit_serial", "implicit", "interface_jacobian"},
-       .steps_s = {advice.trial_step_s, 0.5 * advice.trial_step_s},
-       .mode = Mode::Inproc,
-       .folder = options.folder});
+  const WorkPrecision trial =
+      work_precision([&](const std::string& scheme, double step_s,
+                         double /*tolerance*/) { return load(scheme, step_s, duration_s); },
+                     {.schemes = {"explicit_serial", "implicit", "interface_jacobian"},
+                      .steps_s = {advice.trial_step_s, 0.5 * advice.trial_step_s},
+                      .mode = Mode::Inproc,
+                      .folder = options.folder});
   advice.travel_m = trial.travel_m;
   // Rows come in pairs, the trial step and half of it; the first pair is the monolithic run's.
   for (std::size_t i = 2; i + 1 < trial.rows.size(); i += 2) {

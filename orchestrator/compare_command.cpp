@@ -23,6 +23,7 @@ struct CompareCommand {
   std::int64_t repeat = 0;  ///< 0: the default of the kind of comparison
   std::vector<std::string> schemes;
   std::vector<double> steps_s;
+  std::vector<double> tolerances;
   std::string transport = "lcm";
 
   [[nodiscard]] Model load(const std::string& scheme) const {
@@ -38,6 +39,8 @@ struct CompareCommand {
 
   [[nodiscard]] int compare_costs() const {
     require(transport == "lcm", "--transport: compare without --steps runs both transports.");
+    require(tolerances.empty(),
+            "--tolerances: needs --steps; the smallest is the first of the adaptive ones.");
     const CompareOptions options{
         .repeat = repeat > 0 ? repeat : 3, .schemes = schemes, .folder = new_folder()};
     const Comparison comparison =
@@ -52,12 +55,14 @@ struct CompareCommand {
   [[nodiscard]] int compare_precision() const {
     const WorkPrecisionOptions options{.schemes = schemes,
                                        .steps_s = steps_s,
+                                       .tolerances = tolerances,
                                        .mode = transport == "lcm" ? Mode::Lcm : Mode::Inproc,
                                        .repeat = repeat > 0 ? repeat : 1,
                                        .folder = new_folder()};
-    const auto load_step = [this](const std::string& scheme, double step_s) {
+    const auto load_step = [this](const std::string& scheme, double step_s, double tolerance) {
       CompareCommand stepped = *this;
       stepped.scenario.sets.push_back(fmt::format("run.macro_step_s={}", step_s));
+      stepped.scenario.sets.push_back(fmt::format("coupling.adaptive.tolerance={}", tolerance));
       return stepped.load(scheme);
     };
     const WorkPrecision result = work_precision(load_step, options);
@@ -90,6 +95,10 @@ void add_compare(CLI::App& app, int& exit_code) {
          "--steps", command->steps_s,
          "Macro steps (s): the work-precision table of the schemes, with a fine monolithic "
          "run as reference")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+  sub->add_option("--tolerances", command->tolerances,
+                  "With --steps: also adaptive macro steps with these coupling.adaptive.tolerance")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
   sub->add_option("--transport", command->transport, "With --steps: lcm or inproc")

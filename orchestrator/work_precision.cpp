@@ -35,17 +35,25 @@ struct Reference {
 /// One scheme at one step, `repeat` times.
 PrecisionRow measure(const Model& model, const std::string& scheme, Mode mode,
                      const WorkPrecisionOptions& options, const Reference& reference) {
-  PrecisionRow row{.scheme = scheme, .step_s = to_seconds(model.run.macro_step)};
+  const double tolerance = mode == Mode::Monolithic ? 0.0 : model.coupling.adaptive.tolerance;
+  PrecisionRow row{
+      .scheme = scheme, .step_s = to_seconds(model.run.macro_step), .tolerance = tolerance};
+  const std::string length =
+      tolerance > 0.0 ? fmt::format("adaptive {}", tolerance) : fmt::format("H = {} s", row.step_s);
+  const std::string name =
+      tolerance > 0.0 ? fmt::format("adaptive-{}", tolerance) : fmt::format("{}", row.step_s);
   std::vector<double> wall_s;
+  double simulated_s = 0.0;
   for (std::int64_t repetition = 1; repetition <= options.repeat; ++repetition) {
-    const ObservedRun run = observe_run(
-        model, mode, options.folder / scheme / fmt::format("{}-{}", row.step_s, repetition),
-        fmt::format("{}, H = {} s, {} of {}", scheme, row.step_s, repetition, options.repeat));
+    const ObservedRun run =
+        observe_run(model, mode, options.folder / scheme / fmt::format("{}-{}", name, repetition),
+                    fmt::format("{}, {}, {} of {}", scheme, length, repetition, options.repeat));
     const auto& s = run.summary;
     row.exit_code = run.exit_code;
     row.status = s.at("status").get<std::string>();
     row.message = s.at("message").get<std::string>();
     row.error = motion_distance(run.history, reference.history, reference.ports);
+    simulated_s = s.at("simulated_s").get<double>();
     row.macro_steps = s.at("macro_steps").get<std::int64_t>();
     row.round_trips = s.at("iterations").at("total").get<std::int64_t>();
     row.iterations_mean = s.at("iterations").at("mean").get<double>();
@@ -54,23 +62,29 @@ PrecisionRow measure(const Model& model, const std::string& scheme, Mode mode,
     wall_s.push_back(s.at("wall_s").get<double>());
   }
   row.wall_s = median(wall_s);
+  if (tolerance > 0.0 && row.macro_steps > 0) {
+    row.step_s = simulated_s / static_cast<double>(row.macro_steps);
+  }
   return row;
 }
 
 }  // namespace
 
 WorkPrecision work_precision(
-    const std::function<Model(const std::string& scheme, double step_s)>& load,
+    const std::function<Model(const std::string& scheme, double step_s, double tolerance)>& load,
     const WorkPrecisionOptions& options) {
   std::vector<std::string> schemes = options.schemes;
   if (schemes.empty()) schemes.push_back("");
   const double least_s = *std::min_element(options.steps_s.begin(), options.steps_s.end());
   // Every model is made before the first run: a step that does not divide the duration is said now.
-  const Model fine = load("", least_s / kReferenceRefinement);
-  const Model half = load("", 2.0 * least_s / kReferenceRefinement);
+  const Model fine = load("", least_s / kReferenceRefinement, 0.0);
+  const Model half = load("", 2.0 * least_s / kReferenceRefinement, 0.0);
   std::vector<Model> models;
   for (const std::string& scheme : schemes) {
-    for (const double step_s : options.steps_s) models.push_back(load(scheme, step_s));
+    for (const double step_s : options.steps_s) models.push_back(load(scheme, step_s, 0.0));
+    for (const double tolerance : options.tolerances) {
+      models.push_back(load(scheme, least_s, tolerance));
+    }
   }
 
   const Reference reference{.history = reference_run(fine, options).history,

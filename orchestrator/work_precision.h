@@ -15,15 +15,17 @@ namespace tandem::orchestrator {
 struct WorkPrecisionOptions {
   std::vector<std::string> schemes;  ///< empty = the scenario's own
   std::vector<double> steps_s;       ///< macro steps H to run
+  std::vector<double> tolerances;    ///< of adaptive macro steps to run, from the smallest H on
   Mode mode = Mode::Lcm;             ///< how the schemes run: Lcm or Inproc
   std::int64_t repeat = 1;           ///< repetitions; the wall time is their median
   std::filesystem::path folder;      ///< holds the runs and the results
 };
 
-/// One scheme at one macro step.
+/// One scheme at one macro step, or at one tolerance of adaptive steps.
 struct PrecisionRow {
-  std::string scheme;  ///< "monolithic" for the uncut system
-  double step_s = 0.0;
+  std::string scheme;      ///< "monolithic" for the uncut system
+  double step_s = 0.0;     ///< of adaptive steps their mean
+  double tolerance = 0.0;  ///< coupling.adaptive.tolerance; 0 = all steps are equal
   int exit_code = 0;
   std::string status, message;
   MotionDistance error;  ///< of the port motion against the reference
@@ -46,11 +48,12 @@ struct WorkPrecision {
   std::vector<PrecisionRow> rows;
 };
 
-/// Runs the monolithic system and all schemes at all steps. `load` gives the model with a scheme
-/// ("" = the scenario's own) and a macro step (s). A run that diverges is a row; a reference that
-/// is not solved is a NotSolved error.
+/// Runs the monolithic system at all steps and all schemes at all steps and tolerances. `load`
+/// gives the model with a scheme ("" = the scenario's own), a macro step (s) and a tolerance of
+/// adaptive steps (0 = fixed ones). A run that diverges is a row; a reference that is not solved is
+/// a NotSolved error.
 [[nodiscard]] WorkPrecision work_precision(
-    const std::function<Model(const std::string& scheme, double step_s)>& load,
+    const std::function<Model(const std::string& scheme, double step_s, double tolerance)>& load,
     const WorkPrecisionOptions& options);
 
 [[nodiscard]] nlohmann::ordered_json work_precision_json(const WorkPrecision& result);

@@ -52,7 +52,7 @@ class CoupledRun {
         fem_(metered_fem_, journal_),
         scheme_(params.make_scheme(ports_)),
         monitor_(params.coupling.divergence_growth, ports_),
-        controller_(params.coupling.adaptive, params.coupling.prediction, params.run.macro_step) {
+        controller_(params.coupling, params.run.macro_step) {
     require_same_ports(mbs.side.info().ports);
     report_.scheme = params.scheme_name;
     if (params.scheme_name == to_string(SchemeKind::Tlm)) {
@@ -137,8 +137,7 @@ class CoupledRun {
       H = controller_.step(params_.run.duration - state_.time);
       MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
       end.iterations += discarded_iterations;
-      const WrenchSet predicted = predict_wrenches(params_.coupling.prediction, state_, H);
-      if (controller_.accepts(H, end, predicted)) return end;
+      if (controller_.accepts(H, end, state_)) return end;
       discarded_iterations = end.iterations;
       ++report_.rejected_steps;
       mbs_.rollback();

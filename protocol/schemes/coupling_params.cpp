@@ -176,11 +176,13 @@ scenario::Key adaptive_key() {
   const AdaptiveParams d;
   scenario::Section content{
       "Adaptive macro step",
-      "The macro step follows the energy defect of the prediction; run.macro_step_s is the first "
-      "one.",
+      "The macro step follows the interface energy that the prediction gets wrong; "
+      "run.macro_step_s is the first one.",
       {scenario::real("tolerance", "")
-           .doc_is("Power that the predicted wrenches would create, relative to the largest power "
-                   "at the ports so far, above which a macro step is made again; 0 = fixed steps.")
+           .doc_is(
+               "Power that the prediction gets wrong (of wrenches in explicit schemes, of motions "
+               "in converged ones), relative to the largest power at the ports so far, above "
+               "which a macro step is made again; 0 = fixed steps.")
            .between(0.0, 1.0)
            .by_default(number(d.tolerance)),
        scenario::real("min_step_s", "s")

@@ -12,11 +12,20 @@ constexpr double kMostGrowth = 2.0;
 /// Below this an interface is at rest and any step is good.
 constexpr double kNegligible_W = 1e-12;
 
-double defect_W(const MacroStepEnd& end, const WrenchSet& predicted) {
+double wrench_defect_W(const MacroStepEnd& end, const WrenchSet& predicted) {
   double sum = 0.0;
   for (std::size_t i = 0; i < predicted.size(); ++i) {
     sum += std::abs((end.wrenches[i].f_P_W - predicted[i].f_P_W).dot(end.motions[i].v_WP) +
                     (end.wrenches[i].t_P_W - predicted[i].t_P_W).dot(end.motions[i].w_WP));
+  }
+  return sum;
+}
+
+double motion_defect_W(const MacroStepEnd& end, const MotionSet& predicted) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < predicted.size(); ++i) {
+    sum += end.wrenches[i].f_P_W.norm() * (end.motions[i].v_WP - predicted[i].v_WP).norm() +
+           end.wrenches[i].t_P_W.norm() * (end.motions[i].w_WP - predicted[i].w_WP).norm();
   }
   return sum;
 }
@@ -32,14 +41,23 @@ double power_scale_W(const MacroStepEnd& end) {
 
 }  // namespace
 
-StepController::StepController(const AdaptiveParams& params, Prediction prediction,
-                               SimTime first_step)
-    : params_(params),
-      order_(1.0 + static_cast<double>(prediction)),
-      shortest_(params.min_step.value_or(std::max(first_step / 32, SimTime(1)))),
-      longest_(params.max_step.value_or(32 * first_step)),
+StepController::StepController(const CouplingParams& params, SimTime first_step)
+    : coupling_(params),
+      converged_(params.scheme == SchemeKind::Implicit ||
+                 params.scheme == SchemeKind::InterfaceNewton),
+      order_(1.0 + static_cast<double>(converged_ ? params.motion_prediction : params.prediction)),
+      shortest_(params.adaptive.min_step.value_or(std::max(first_step / 32, SimTime(1)))),
+      longest_(params.adaptive.max_step.value_or(32 * first_step)),
       next_(first_step) {
   next_ = rounded(static_cast<double>(first_step.count()));
+}
+
+double StepController::defect_W(SimTime H, const MacroStepEnd& end,
+                                const InterfaceState& begin) const {
+  if (converged_) {
+    return motion_defect_W(end, predict_motions(coupling_.motion_prediction, begin, H));
+  }
+  return wrench_defect_W(end, predict_wrenches(coupling_.prediction, begin, H));
 }
 
 SimTime StepController::rounded(double step_ns) const {
@@ -49,7 +67,7 @@ SimTime StepController::rounded(double step_ns) const {
 
 SimTime StepController::step(SimTime remaining) const { return std::min(next_, remaining); }
 
-bool StepController::accepts(SimTime H, const MacroStepEnd& end, const WrenchSet& predicted) {
+bool StepController::accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin) {
   const auto H_ns = static_cast<double>(H.count());
   double error = 1.0;
   double largest_power_W = largest_power_W_;
@@ -57,7 +75,8 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const WrenchSet
     error = std::pow(2.0 / kSafety, order_);  // half the step
   } else {
     largest_power_W = std::max(largest_power_W, power_scale_W(end));
-    error = defect_W(end, predicted) / (params_.tolerance * largest_power_W + kNegligible_W);
+    error =
+        defect_W(H, end, begin) / (coupling_.adaptive.tolerance * largest_power_W + kNegligible_W);
     if (end.outcome == Outcome::NotConverged) error = std::max(error, std::pow(2.0, order_));
   }
   error = std::max(error, 1e-10);

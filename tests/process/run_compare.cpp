@@ -45,6 +45,24 @@ TEST(CompareSteps, ErrorsFallWithOrderOneAndConvergedSchemesEqualTheMonolithicRu
   }
 }
 
+TEST(CompareSteps, AdaptiveRunsStandBesideFixedOnes) {
+  const TemporaryFolder folder("tandem_steps");
+  const Ended ended = tandem_command(
+      {"compare", kExamples + "pendulum_beam/scenario.yaml", "--steps", "1e-3", "--tolerances",
+       "0.1,0.001", "--transport", "inproc", "--set", "run.duration_s=0.05", "--set",
+       "coupling.adaptive.tolerance=0.5", "--out", (folder / "c").string()});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const nlohmann::json rows = results_of(folder / "c/compare.json").at("rows");
+  ASSERT_EQ(rows.size(), 4U);  // monolithic, fixed, two tolerances
+  EXPECT_EQ(rows[1].at("macro_steps"), 50);
+  EXPECT_EQ(rows[1].at("adaptive_tolerance"), 0.0);
+  EXPECT_EQ(rows[2].at("adaptive_tolerance"), 0.1);
+  EXPECT_NEAR(rows[2].at("macro_step_s").get<double>() * rows[2].at("macro_steps").get<double>(),
+              0.05, 1e-12);
+  EXPECT_GT(rows[3].at("macro_steps"), rows[2].at("macro_steps"));
+  EXPECT_LT(rows[3].at("error_motion_m"), rows[2].at("error_motion_m"));
+}
+
 TEST(CompareSteps, RunThatDivergesIsARowWithItsReason) {
   const TemporaryFolder folder("tandem_steps");
   const Ended ended = tandem_command({"compare", kExamples + "two_masses/scenario.yaml",
