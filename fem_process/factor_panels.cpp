@@ -4,23 +4,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "fem_process/panel_words.h"
 #include "fem_process/simd.h"
 
 namespace tandem::fem {
 namespace {
 
 constexpr int kTile = FactorPanels::kTile;
-
-/// Entries of two columns from their words, both times 2¹⁶. What the upper half inherits from the
-/// lower one was allowed for in rounding.
-template <class Registers>
-TANDEM_INLINE void unpack(const int* words, typename Registers::Float16& even,
-                          typename Registers::Float16& odd) {
-  typename Registers::Int16 word;
-  load(word, words);
-  Registers::convert(word << 16, even);
-  Registers::convert(word, odd);
-}
 
 /// out = P x in `N` tiles of `pairs` column pairs each, `stride` words apart.
 template <class Registers, int N>
@@ -160,7 +150,7 @@ TANDEM_REGISTER_FUNCTION(transposed_panel, transposed_body,
 
 std::size_t FactorPanels::tile_start(const Panel& panel, int tile) {
   // Triangular tiles have 8, 16, 24, … pairs, the others all of them.
-  const int triangular = std::min(tile, (panel.pairs() + kTile / 2 - 1) / (kTile / 2) - 1);
+  const int triangular = std::min(tile, panel.triangular());
   const auto n = static_cast<std::size_t>(triangular);
   const std::size_t before =
       kTile / 2 * (n * (n + 1) / 2) +
@@ -207,9 +197,8 @@ void FactorPanels::scale(const Panel& panel, const float* x, float* scaled) cons
 
 void FactorPanels::multiply(const Panel& panel, const float* scaled, int begin, int end,
                             float* out) const {
-  const int full = (panel.pairs() + kTile / 2 - 1) / (kTile / 2) - 1;
-  multiply_panel(word_.data() + tile_start(panel, begin), panel.pairs(), full, begin, end, scaled,
-                 out);
+  multiply_panel(word_.data() + tile_start(panel, begin), panel.pairs(), panel.triangular(), begin,
+                 end, scaled, out);
 }
 
 void FactorPanels::multiply_transposed(const Panel& panel, const float* x, int begin, int end,

@@ -23,6 +23,8 @@ class FactorPanels {
     std::size_t scale = 0;  ///< of its first column
     [[nodiscard]] int pairs() const { return (columns + 1) / 2; }
     [[nodiscard]] int tiles() const { return (rows + kTile - 1) / kTile; }
+    /// Tiles before the first that holds all pairs.
+    [[nodiscard]] int triangular() const { return (pairs() + kTile / 2 - 1) / (kTile / 2) - 1; }
     /// Column pairs of a tile.
     [[nodiscard]] int pairs(int tile) const {
       const int triangle = kTile / 2 * (tile + 1);
@@ -42,6 +44,18 @@ class FactorPanels {
   void multiply_transposed(const Panel& panel, const float* x, int begin, int end,
                            float* out) const;
   static constexpr int kPairs = 64;
+
+  /// The same for up to eight vectors at once, so that an entry is unpacked once for all of them.
+  /// Entry k of vector c of `x`, `scaled` and `out` stands at 8 k + c; of the transposed product's
+  /// `tiles` see lay_out_tiles. What is behind the last vector is zero.
+  void scale_eight(const Panel& panel, const float* x, float* scaled) const;
+  void multiply_eight(const Panel& panel, const float* scaled, int vectors, int begin, int end,
+                      float* out) const;
+  void multiply_transposed_eight(const Panel& panel, const float* tiles, int vectors, int begin,
+                                 int end, float* out) const;
+  /// Rows of eight vectors, 8 numbers each, as the transposed product reads them: per tile its 16
+  /// rows of the first vector, of the second, … `rows` has whole tiles.
+  static void lay_out_tiles(const float* rows, int count, float* tiles);
 
   [[nodiscard]] std::size_t bytes() const {
     return sizeof(int) * word_.size() + sizeof(float) * scale_.size();

@@ -86,7 +86,7 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   MacroStepWrench answer(*model_.integrator, n);
   Advance done;
   done.last.state = state_;
-  StepTangent tangent(model_, step_->arms());
+  StepTangent tangent(model_, step_->arms(), n);
   const auto book = [&](const SolveReport& report, SimTime time) {
     done.report.iterations += report.iterations;
     if (report.outcome <= done.report.outcome) return;

@@ -58,6 +58,15 @@ class LinearSolver {
   /// Corrects a guess: solves A δ = r, one column per right-hand side, and overwrites r with δ.
   /// `b_norms` are the norms that an iterative solver measures its residuals by.
   virtual SolveReport solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) = 0;
+
+  /// The same with the square root of an iterative solver's tolerance; `left` = r − A δ, zero where
+  /// the solver is exact. For products aᵀ A⁻¹ r of symmetric systems, whose error is then of second
+  /// order: see StepTangent.
+  virtual SolveReport solve_roughly(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms,
+                                    Eigen::MatrixXd& left) {
+    left.setZero(r.rows(), r.cols());
+    return solve(r, b_norms);
+  }
 };
 
 /// The pattern, the factor and the team must outlive the solver. Without a factor PCG uses the

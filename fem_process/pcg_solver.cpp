@@ -140,13 +140,46 @@ SolveReport PcgSolver::invert_diagonal(const BlockValues& A) {
 }
 
 SolveReport PcgSolver::solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) {
-  SolveReport total;
+  if (r.cols() != 1) return solve_columns(params_.tolerance, r, b_norms, nullptr);
+  pad(r.col(0), r_);
+  const SolveReport report = solve_column(b_norms(0));
   Eigen::VectorXd x;
-  for (Eigen::Index column = 0; column < r.cols(); ++column) {
-    pad(r.col(column), r_);
-    const SolveReport report = solve_column(b_norms(column));
-    unpad(x_, x);
-    r.col(column) = x;
+  unpad(x_, x);
+  r.col(0) = x;
+  return report;
+}
+
+SolveReport PcgSolver::solve_roughly(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms,
+                                     Eigen::MatrixXd& left) {
+  return solve_columns(std::sqrt(params_.tolerance), r, b_norms, &left);
+}
+
+SolveReport PcgSolver::solve_columns(double tolerance, Eigen::MatrixXd& r,
+                                     const Eigen::VectorXd& b_norms, Eigen::MatrixXd* left) {
+  const bool jacobi_only = params_.preconditioner == PreconditionerKind::BlockJacobi;
+  const PcgSystem system{.pattern = pattern_,
+                         .A = *A_,
+                         .rest = jacobi_only ? nullptr : rest_,
+                         .inverse_diagonal = inverse_diagonal_,
+                         .rotations = rotations_,
+                         .team = team_};
+  if (left != nullptr) left->resize(r.rows(), r.cols());
+  // Groups of like sizes: nine columns are five and four.
+  const Eigen::Index groups = (r.cols() + 7) / 8;
+  SolveReport total;
+  EightVectors residual;
+  EightVectors x;
+  for (Eigen::Index g = 0; g < groups; ++g) {
+    const Eigen::Index begin = g * r.cols() / groups;
+    const Eigen::Index count = (g + 1) * r.cols() / groups - begin;
+    residual.setZero(8, r.rows());
+    residual.topRows(count) = r.middleCols(begin, count).transpose();
+    PcgColumns::Eight limits = PcgColumns::Eight::Zero();
+    limits.head(count) = tolerance * b_norms.segment(begin, count).array();
+    const SolveReport report = columns_.solve(system, limits, static_cast<int>(count),
+                                              params_.max_iterations, residual, x);
+    r.middleCols(begin, count) = x.topRows(count).transpose();
+    if (left != nullptr) left->middleCols(begin, count) = residual.topRows(count).transpose();
     total.iterations += report.iterations;
     if (report.outcome > total.outcome) {
       total.outcome = report.outcome;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "fem_process/linear_solver.h"
+#include "fem_process/pcg_columns.h"
 #include "fem_process/rest_factor.h"
 
 namespace tandem::fem {
@@ -18,10 +19,15 @@ class PcgSolver final : public LinearSolver {
 
   using LinearSolver::factorize;
   SolveReport factorize(const BlockValues& A, const std::vector<NodeRotation>& rotations) override;
+  /// Several columns go by eight at a time: see PcgColumns.
   SolveReport solve(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms) override;
+  SolveReport solve_roughly(Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms,
+                            Eigen::MatrixXd& left) override;
 
  private:
   SolveReport invert_diagonal(const BlockValues& A);
+  SolveReport solve_columns(double tolerance, Eigen::MatrixXd& r, const Eigen::VectorXd& b_norms,
+                            Eigen::MatrixXd* left);
   /// Solves A x_ = r_.
   SolveReport solve_column(double b_norm);
   /// z_ = P⁻¹ r_; returns r_ · z_.
@@ -51,6 +57,7 @@ class PcgSolver final : public LinearSolver {
   std::vector<Padded> p_;
   std::vector<Padded> Ap_;
   std::vector<double> sums_;
+  PcgColumns columns_;
 };
 
 }  // namespace tandem::fem

@@ -38,6 +38,13 @@ class RestFactor {
                const std::vector<NodeRotation>& rotations, std::vector<Padded>& z, Scratch& scratch,
                ThreadTeam& team) const;
 
+  /// The same for the first `vectors` of eight at once, the others zero: an entry of the factor is
+  /// read once for all of them. A scratch of its own.
+  using Eight = Eigen::Array<double, 8, 1>;
+  Eight solve_eight(const EightVectors& r, const Eight& r_norms, int vectors,
+                    const std::vector<NodeRotation>& rotations, EightVectors& z, Scratch& scratch,
+                    ThreadTeam& team) const;
+
   [[nodiscard]] std::size_t bytes() const { return panels_.bytes() + sizeof(int) * row_.size(); }
 
  private:
@@ -64,6 +71,11 @@ class RestFactor {
                float* rows) const;
   void gather_rows(const Supernode& supernode, const float* y, float* rows) const;
   void solve_top(float* y, float* columns, float* rows, ThreadTeam& team) const;
+  void forward_eight(const Supernode& supernode, const float* scaled, int vectors, int begin,
+                     int end, float* y, float* rows) const;
+  void gather_tiles(const Supernode& supernode, const float* y, float* rows, float* tiles) const;
+  void solve_top_eight(int vectors, float* y, float* columns, float* rows, float* tiles,
+                       ThreadTeam& team) const;
 
   std::vector<double> inverse_root_;  ///< per node, 1/√(mean of its diagonal entries of A₀)
   FactorPanels panels_;

@@ -214,7 +214,9 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
       done = done && delta.col(k).norm() <= limit * norms(k);
     }
     if (done) return total;
-    const SolveReport report = kept.solver->solve(delta, norms);
+    const SolveReport report = solved_roughly(kept)
+                                   ? kept.solver->solve_roughly(delta, norms, left_)
+                                   : kept.solver->solve(delta, norms);
     total.iterations += report.iterations;
     total.outcome = std::max(total.outcome, report.outcome);
     if (total.message.empty()) total.message = report.message;
@@ -228,6 +230,7 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
       scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
     }
   }
+  if (solved_roughly(kept)) x_ = std::move(delta);
   if (kept.iterated) {
     total.outcome = std::max(total.outcome, Outcome::NotConverged);
     total.message = "the interface Jacobian has not converged in " + std::to_string(most) +
@@ -235,6 +238,26 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
                     "fem.micro_step_s.";
   }
   return total;
+}
+
+/// Where b_w = −g_w: prescribed nodes enter the balance as free ones do, and no state before or
+/// after the step depends on what the columns leave.
+bool StepTangent::solved_roughly(const Linearisation& kept) const {
+  return micro_steps_ == 1 && !kept.iterated && !model_.integrator->keeps_history() &&
+         !kept.map.prescribed_position;
+}
+
+/// Adds x_wᵀ r_c to row w of column c: forces go with v_WP, torques with w_WP. θ is 1.
+void StepTangent::correct_wrenches(const std::vector<Eigen::Index>& moving) {
+  const Eigen::MatrixXd products = x_.transpose() * left_;
+  for (std::size_t w = 0; w < moving.size(); ++w) {
+    if (moving[w] % 12 < 6) continue;
+    const Eigen::Index row = 6 * (moving[w] / 12) + moving[w] % 12 - 6;
+    for (std::size_t c = 0; c < moving.size(); ++c) {
+      jacobian_(row, moving[c]) +=
+          products(static_cast<Eigen::Index>(w), static_cast<Eigen::Index>(c));
+    }
+  }
 }
 
 SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
@@ -260,6 +283,7 @@ SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
   for (Eigen::Index column : moving) {
     finish(torque_pose, result, kept, column, directions_[static_cast<std::size_t>(column)]);
   }
+  if (solved_roughly(kept)) correct_wrenches(moving);
   return report;
 }
 

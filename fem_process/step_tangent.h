@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "fem_process/model.h"
@@ -27,7 +28,8 @@ using MotionDerivative = std::vector<Eigen::Matrix<double, 12, 12>>;
 class StepTangent {
  public:
   /// At the start of a macro step the state does not depend on its input. References are kept.
-  StepTangent(const Model& model, const PortArms& arms) : model_(model), arms_(arms) {}
+  StepTangent(const Model& model, const PortArms& arms, std::int64_t micro_steps)
+      : model_(model), arms_(arms), micro_steps_(micro_steps) {}
 
   /// Motions of the ports and their derivatives.
   struct Motions {
@@ -62,6 +64,8 @@ class StepTangent {
                                          const Linearisation& kept, ProductPart part) const;
   SolveReport solve(const std::vector<Eigen::Index>& moving, const TransientStep::Result& result,
                     const Linearisation& kept);
+  [[nodiscard]] bool solved_roughly(const Linearisation& kept) const;
+  void correct_wrenches(const std::vector<Eigen::Index>& moving);
   void finish(const Motions& torque_pose, const TransientStep::Result& result,
               const Linearisation& kept, Eigen::Index column, Direction& direction);
 
@@ -69,6 +73,9 @@ class StepTangent {
   const PortArms& arms_;
   std::vector<Direction> directions_;
   InterfaceJacobian jacobian_;
+  std::int64_t micro_steps_;
+  Eigen::MatrixXd x_;     ///< rough solutions, one column per moving direction
+  Eigen::MatrixXd left_;  ///< what is left of their right-hand sides
 };
 
 }  // namespace tandem::fem

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "fem_process/flexible_body.h"
+#include "fem_process/rest_factor.h"
 #include "fem_process/step_benchmark.h"
+#include "fem_process/step_matrix.h"
 
 namespace tandem::fem {
 namespace {
@@ -69,6 +71,45 @@ BENCHMARK(port_step)
     ->Args({3, 1, 0})
     ->Args({3, 1, 1})
     ->Unit(benchmark::kMillisecond);
+
+/// The six columns of a port's derivative, one by one or side by side, to 1e-12 and, side by side,
+/// to its square root.
+void columns(benchmark::State& bench) {
+  const Model model(lug({}));
+  Eigen::VectorXd f_int;
+  BlockValues K;
+  BlockValues S;
+  model.formulation->evaluate(model.reference(), f_int, K);
+  const double h_s = to_seconds(model.params.micro_step);
+  combine(model.interior, 1.0 / h_s, model.mass, h_s, &K, S, *model.team);
+  const RestFactor rest(model.interior.pattern, S);
+  SolverParams params{.kind = SolverKind::Pcg, .tolerance = 1e-12};
+  const auto solver = make_solver(params, model.interior.pattern, &rest);
+  // As far from the rest factor as a moving body is: the matrix of stiffer elements.
+  combine(model.interior, 1.0 / h_s, model.mass, 1.5 * h_s, &K, S, *model.team);
+  solver->factorize(S);
+  const Eigen::MatrixXd b = Eigen::MatrixXd::Random(3 * model.interior.pattern.rows(), 6);
+  const Eigen::VectorXd norms = b.colwise().norm();
+  Eigen::MatrixXd left;
+  std::int64_t iterations = 0;
+  for (auto _ : bench) {
+    Eigen::MatrixXd x = b;
+    if (bench.range(0) == 1) {
+      for (Eigen::Index c = 0; c < 6; ++c) {
+        Eigen::MatrixXd column = x.col(c);
+        iterations += solver->solve(column, norms.segment<1>(c)).iterations;
+      }
+    } else if (bench.range(0) == 6) {
+      iterations += solver->solve(x, norms).iterations;
+    } else {
+      iterations += solver->solve_roughly(x, norms, left).iterations;
+    }
+  }
+  bench.counters["its"] =
+      benchmark::Counter(static_cast<double>(iterations), benchmark::Counter::kAvgIterations);
+}
+// 1 one by one, 6 side by side, 0 roughly.
+BENCHMARK(columns)->Arg(1)->Arg(6)->Arg(0)->Unit(benchmark::kMillisecond);
 
 void elements(benchmark::State& bench) {
   const Model model(lug({}));
