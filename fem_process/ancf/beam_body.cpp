@@ -23,6 +23,11 @@ constexpr int kMostSwings = 20;
 /// Torques below this part of the wheel's force times its radius are round-off.
 constexpr double kNoTorque = 1e-6;
 
+/// With more delay than a step between the sides the torque swings with four to six macro steps a
+/// period, up to the friction limit: swings beyond this part of force times radius count.
+constexpr double kLargeTorque = 0.05;
+constexpr int kMostReversals = 60;
+
 }  // namespace
 
 BeamBody::BeamBody(BeamParams params)
@@ -57,6 +62,7 @@ WrenchSet BeamBody::initialize(const MotionSet& motions) {
   now_ = {};
   now_.motions = motions;
   now_.swings.assign(params_.wheels.size(), 0);
+  now_.reversals.assign(params_.wheels.size(), 0);
   BeamState& state = now_.state;
   state.q = system_.mesh().q0;
   state.v = state.a = state.A = Eigen::VectorXd::Zero(state.q.size());
@@ -129,18 +135,22 @@ std::string BeamBody::count_swings(const ContactSums& before, Moment& after) con
     const Eigen::Vector3d axis = after.motions[port].q_WP * Eigen::Vector3d::UnitY();
     const double last = before.wheels[port].t_P_W.dot(axis);
     const double now = after.sums.wheels[port].t_P_W.dot(axis);
-    const double scale = kNoTorque * wheel.radius_m * after.sums.wheels[port].f_P_W.norm();
-    const bool swings = last * now < 0.0 && std::min(std::abs(last), std::abs(now)) > scale;
+    const double scale = wheel.radius_m * after.sums.wheels[port].f_P_W.norm();
+    const bool changes = last * now < 0.0;
+    const bool swings = changes && std::min(std::abs(last), std::abs(now)) > kNoTorque * scale;
+    const bool large = changes && std::max(std::abs(last), std::abs(now)) > kLargeTorque * scale;
     after.swings[w] = swings ? after.swings[w] + 1 : 0;
-    if (after.swings[w] < kMostSwings || !message.empty()) continue;
+    after.reversals[w] = std::max(0, after.reversals[w] + (large ? 2 : -1));
+    const bool too_many = after.swings[w] >= kMostSwings || after.reversals[w] >= kMostReversals;
+    if (!too_many || !message.empty()) continue;
     message = fmt::format(
-        "the torque of the band on the wheel at port '{}' has changed its sign in {} successive "
+        "the torque of the band on the wheel at port '{}' changes its sign every one to three "
         "macro steps, from {:.4g} to {:.4g} N m now: the step is beyond the stability limit of an "
-        "explicit exchange of friction, about twice the wheel's spin inertia over v_s A R². "
-        "Shorten "
-        "run.macro_step_s, lower fem.ancf.contact.friction_slope_N_s_per_m3, or use "
-        "coupling.scheme: implicit.",
-        params_.ports[port], kMostSwings, last, now);
+        "explicit exchange of friction, about twice the wheel's spin inertia over v_s A R², less "
+        "in parallel. Shorten run.macro_step_s, lower "
+        "fem.ancf.contact.friction_slope_N_s_per_m3, or use coupling.scheme: interface_jacobian or "
+        "implicit.",
+        params_.ports[port], last, now);
   }
   return message;
 }
@@ -218,7 +228,9 @@ Observation BeamBody::observe() {
   seen.time = state.time;
   StateHash hash;
   hash.add(state.hash());
-  for (int swings : now_.swings) hash.add(static_cast<std::int64_t>(swings));
+  for (const std::vector<int>* counts : {&now_.swings, &now_.reversals}) {
+    for (int count : *counts) hash.add(static_cast<std::int64_t>(count));
+  }
   seen.state_hash = hash.value();
   seen.energy = {.kinetic_J = system_.kinetic_J(state.v),
                  .potential_J = system_.potential_J(state.q),

@@ -62,6 +62,9 @@ class BeamBody final : public FemSide {
     MotionSet motions;
     std::vector<int>
         swings;  ///< per wheel: successive macro steps in which its torque changed sign
+    /// Per wheel: 2 for every large change of sign, −1 for every macro step without, at least 0:
+    /// grows while such changes are less than three macro steps apart.
+    std::vector<int> reversals;
   };
   void settle(const MotionSet& motions);
   void set_velocities();
