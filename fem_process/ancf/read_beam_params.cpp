@@ -188,6 +188,8 @@ void read_attachments(const Node& ancf, BeamParams& params) {
         {.port = port_of(node, params),
          .at_end = at_end,
          .support = node.text("kind") == "clamped" ? Support::Clamped : Support::Hinged});
+    // Without a multibody side the end stays where it lies.
+    support(params.model.mesh, at_end, params.attachments.back().support);
   }
 }
 

@@ -82,6 +82,35 @@ TEST_F(AncfCommand, ModesOfTheCantileverAreThoseOfEulerAndBernoulli) {
   EXPECT_NEAR(outcome.results["frequencies_Hz"][0].get<double>(), f, 2e-3 * f);
 }
 
+TEST_F(AncfCommand, ARopeBetweenPortsVibratesAsAString) {
+  const FemOutcome outcome = run(R"(name: string
+ports:
+  - {name: a, body: left}
+  - {name: b, body: right}
+fem:
+  model: ancf
+  ancf:
+    path: {kind: line, length_m: 2}
+    chain: {elements: 16, strain: 0.01}
+    section: {width_m: 0.01, height_m: 0.01}
+    material: {law: svk, young_Pa: 1.0e+9, poisson: 0, density_kg_per_m3: 1000}
+    attachments:
+      - {port: a, end: left}
+      - {port: b, end: right}
+)",
+                                 "modes");
+  // f = √(T/μ)/(2 L) with both ends held, T = A λ E (λ² − 1)/2 of St. Venant and Kirchhoff's law,
+  // μ = ρ A/λ; its bending stiffness adds π² E I/(2 T L²) = 0.1 %.
+  const double stretch = 1.01;
+  const double tension = 1e-4 * stretch * 1e9 * 0.5 * (stretch * stretch - 1.0);
+  const double f = std::sqrt(tension / (1000.0 * 1e-4 / stretch)) / 4.0;
+  const double stiff = std::numbers::pi * std::numbers::pi * (1e9 * 1e-8 / 12.0) / (8.0 * tension);
+  const auto& found = outcome.results["frequencies_Hz"];
+  EXPECT_LT(found[0].get<double>(), 0.01);  // turns about itself
+  EXPECT_NEAR(found[1].get<double>(), f * (1.0 + stiff), 2e-3 * f);
+  EXPECT_NEAR(found[2].get<double>(), f * (1.0 + stiff), 2e-3 * f);
+}
+
 TEST_F(AncfCommand, ElementSpectrumIsTheReferencesOne) {
   std::string link = kCantilever;
   const auto put = [&](const std::string& from, const std::string& to) {
