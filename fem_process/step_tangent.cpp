@@ -5,12 +5,14 @@
 #include <string>
 #include <utility>
 
+#include "fem_process/condensed_step.h"
 #include "fem_process/node_vectors.h"
 
 namespace tandem::fem {
 namespace {
 
-/// Motion with one of its 12 coordinates (see difference()) changed by `amount`.
+/// Motion with one of its 12 coordinates (see difference()) changed by
+/// `amount`.
 Motion nudged(Motion motion, Eigen::Index coordinate, double amount) {
   const Eigen::Vector3d axis = Eigen::Vector3d::Unit(coordinate % 3);
   switch (coordinate / 3) {
@@ -31,8 +33,8 @@ Motion nudged(Motion motion, Eigen::Index coordinate, double amount) {
 
 }  // namespace
 
-/// The interpolation is linear in p, v, w of the end (central differences are exact) and smooth in
-/// the angle, where 1e-4 rad leaves about 1e-9.
+/// The interpolation is linear in p, v, w of the end (central differences are
+/// exact) and smooth in the angle, where 1e-4 rad leaves about 1e-9.
 MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s, SimTime H,
                                           VelocityRule rule) {
   MotionDerivative derivative(input.end.size(), Eigen::Matrix<double, 12, 12>::Identity());
@@ -54,7 +56,8 @@ MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, doubl
   return derivative;
 }
 
-/// Derivatives before the solve: free nodes with dv = 0, prescribed nodes with their final ones.
+/// Derivatives before the solve: free nodes with dv = 0, prescribed nodes with
+/// their final ones.
 ///   dx_i = δp + δθ × r,   dv_i = δv + δw × r + w × (δθ × r),   r = R_WP r_i
 void StepTangent::prescribe(const Motions& end, const TransientStep::Result& result,
                             const Linearisation& kept, Eigen::Index column,
@@ -104,8 +107,8 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
   direction.moves = started || direction.dv.squaredNorm() + direction.dd.squaredNorm() > 0.0;
 }
 
-/// Derivative of r = C v + f_int − f_ext: of its linearisation at x̃ or, where the step is iterated
-/// to equilibrium, of r itself at x⁺.
+/// Derivative of r = C v + f_int − f_ext: of its linearisation at x̃ or, where
+/// the step is iterated to equilibrium, of r itself at x⁺.
 Eigen::VectorXd StepTangent::force(const Direction& direction, const TransientStep::Result& result,
                                    const Linearisation& kept, ProductPart part) const {
   const Damping& damping = model_.params.damping;
@@ -185,9 +188,10 @@ void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result
   direction.begin = std::move(after);
 }
 
-/// Corrects dv of the moving directions to the derivative of the balance of forces. Once with the
-/// step's own matrix; where the step is iterated, that matrix leaves out what K does, and the
-/// correction is repeated until nothing is left, as the iteration of the step itself.
+/// Corrects dv of the moving directions to the derivative of the balance of
+/// forces. Once with the step's own matrix; where the step is iterated, that
+/// matrix leaves out what K does, and the correction is repeated until nothing
+/// is left, as the iteration of the step itself.
 SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
                                const TransientStep::Result& result, const Linearisation& kept) {
   const SolverParams& params = model_.params.solver;
@@ -214,9 +218,7 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
       done = done && delta.col(k).norm() <= limit * norms(k);
     }
     if (done) return total;
-    const SolveReport report = solved_roughly(kept)
-                                   ? kept.solver->solve_roughly(delta, norms, left_)
-                                   : kept.solver->solve(delta, norms);
+    const SolveReport report = kept.solver->solve(delta, norms);
     total.iterations += report.iterations;
     total.outcome = std::max(total.outcome, report.outcome);
     if (total.message.empty()) total.message = report.message;
@@ -230,7 +232,6 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
       scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
     }
   }
-  if (solved_roughly(kept)) x_ = std::move(delta);
   if (kept.iterated) {
     total.outcome = std::max(total.outcome, Outcome::NotConverged);
     total.message = "the interface Jacobian has not converged in " + std::to_string(most) +
@@ -240,28 +241,11 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
   return total;
 }
 
-/// Where b_w = −g_w: prescribed nodes enter the balance as free ones do, and no state before or
-/// after the step depends on what the columns leave.
-bool StepTangent::solved_roughly(const Linearisation& kept) const {
-  return micro_steps_ == 1 && !kept.iterated && !model_.integrator->keeps_history() &&
-         !kept.map.prescribed_position;
-}
-
-/// Adds x_wᵀ r_c to row w of column c: forces go with v_WP, torques with w_WP. θ is 1.
-void StepTangent::correct_wrenches(const std::vector<Eigen::Index>& moving) {
-  const Eigen::MatrixXd products = x_.transpose() * left_;
-  for (std::size_t w = 0; w < moving.size(); ++w) {
-    if (moving[w] % 12 < 6) continue;
-    const Eigen::Index row = 6 * (moving[w] / 12) + moving[w] % 12 - 6;
-    for (std::size_t c = 0; c < moving.size(); ++c) {
-      jacobian_(row, moving[c]) +=
-          products(static_cast<Eigen::Index>(w), static_cast<Eigen::Index>(c));
-    }
-  }
-}
-
 SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
                                  const TransientStep::Result& result, const Linearisation& kept) {
+  if (micro_steps_ == 1 && condenses(model_, kept)) {
+    return condense(model_, arms_, end.value, torque_pose.value, kept, jacobian_);
+  }
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
   directions_.resize(static_cast<std::size_t>(columns));
   jacobian_.setZero(columns / 2, columns);
@@ -272,7 +256,8 @@ SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
     if (direction.moves) {
       moving.push_back(c);
     } else if (direction.dx.squaredNorm() > 0.0) {
-      // Backward Euler takes displacements from velocities: positions tell in the next micro step.
+      // Backward Euler takes displacements from velocities: positions tell in
+      // the next micro step.
       direction.begin.x = direction.dx;
       direction.begin.v = direction.dv;
     }
@@ -283,7 +268,6 @@ SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
   for (Eigen::Index column : moving) {
     finish(torque_pose, result, kept, column, directions_[static_cast<std::size_t>(column)]);
   }
-  if (solved_roughly(kept)) correct_wrenches(moving);
   return report;
 }
 

@@ -12,22 +12,25 @@
 
 namespace tandem::fem {
 
-/// Derivative of an interpolated port motion with respect to the motion at the segment's end, in
-/// the local coordinates of difference(), one 12 × 12 block per port.
+/// Derivative of an interpolated port motion with respect to the motion at the
+/// segment's end, in the local coordinates of difference(), one 12 × 12 block
+/// per port.
 using MotionDerivative = std::vector<Eigen::Matrix<double, 12, 12>>;
 [[nodiscard]] MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, double s,
                                                         SimTime H, VelocityRule rule);
 
-/// Exact derivative of the wrenches after each micro step with respect to the motions at its end:
-/// carries the derivatives of the whole state through the micro steps. Every direction costs one
-/// solve with the micro step's factorisation; from the second micro step on also the directional
-/// derivative of the internal forces, since the linearisation points then depend on the input.
-/// Where the step is iterated to equilibrium the derivative is that of the equilibrium, and the
-/// solves are repeated until the part that the step matrix leaves out is in: once for an exact
-/// tangent.
+/// Exact derivative of the wrenches after each micro step with respect to the
+/// motions at its end: carries the derivatives of the whole state through the
+/// micro steps. Every direction costs one solve with the micro step's
+/// factorisation; from the second micro step on also the directional derivative
+/// of the internal forces, since the linearisation points then depend on the
+/// input. Where the step is iterated to equilibrium the derivative is that of
+/// the equilibrium, and the solves are repeated until the part that the step
+/// matrix leaves out is in: once for an exact tangent.
 class StepTangent {
  public:
-  /// At the start of a macro step the state does not depend on its input. References are kept.
+  /// At the start of a macro step the state does not depend on its input.
+  /// References are kept.
   StepTangent(const Model& model, const PortArms& arms, std::int64_t micro_steps)
       : model_(model), arms_(arms), micro_steps_(micro_steps) {}
 
@@ -36,7 +39,8 @@ class StepTangent {
     MotionSet value;
     MotionDerivative derivative;
   };
-  /// Carries the derivatives through the micro step that `result` and `kept` came from.
+  /// Carries the derivatives through the micro step that `result` and `kept`
+  /// came from.
   SolveReport advance(const Motions& end, const Motions& torque_pose,
                       const TransientStep::Result& result, const Linearisation& kept);
 
@@ -64,8 +68,6 @@ class StepTangent {
                                          const Linearisation& kept, ProductPart part) const;
   SolveReport solve(const std::vector<Eigen::Index>& moving, const TransientStep::Result& result,
                     const Linearisation& kept);
-  [[nodiscard]] bool solved_roughly(const Linearisation& kept) const;
-  void correct_wrenches(const std::vector<Eigen::Index>& moving);
   void finish(const Motions& torque_pose, const TransientStep::Result& result,
               const Linearisation& kept, Eigen::Index column, Direction& direction);
 
@@ -74,8 +76,6 @@ class StepTangent {
   std::vector<Direction> directions_;
   InterfaceJacobian jacobian_;
   std::int64_t micro_steps_;
-  Eigen::MatrixXd x_;     ///< rough solutions, one column per moving direction
-  Eigen::MatrixXd left_;  ///< what is left of their right-hand sides
 };
 
 }  // namespace tandem::fem

@@ -17,10 +17,11 @@ using namespace testing;
 
 constexpr double kEnd_s = 1.6;
 
-Params driven_box() {
+Params driven_box(FormulationKind formulation = FormulationKind::Corotational) {
   static const std::filesystem::path file = temporary_file("order.inp", box_inp(3));
   Params params;
   params.mesh.file = file;
+  params.formulation = formulation;
   params.material = {.young_Pa = 300.0, .poisson = 0.3, .density_kg_per_m3 = 100.0};
   params.mass = MassKind::Lumped;
   params.damping = {.alpha_per_s = 0.2, .beta_s = 0.05};
@@ -91,9 +92,9 @@ Eigen::VectorXd acceleration(const Model& model, double t, const Eigen::VectorXd
 /// The semi-discrete equations by the classical Runge-Kutta method of fourth order with 4000 steps
 /// (ω h < 0.01: relative error below (ω h)⁴): the truth for the orders, independent of the body's
 /// stepping code.
-End exact() {
-  const Params params = [] {
-    Params p = driven_box();
+End exact(FormulationKind formulation = FormulationKind::Corotational) {
+  const Params params = [formulation] {
+    Params p = driven_box(formulation);
     p.micro_step = SimTime(1'000'000);
     return p;
   }();
@@ -131,7 +132,7 @@ End exact() {
 
 /// Checks the order of positions and wrenches over four halvings of the step, two-sided.
 void expect_order(const Params& params, double order, int coarsest) {
-  const End truth = exact();
+  const End truth = exact(params.formulation);
   End errors[5];
   for (int level = 0; level < 5; ++level) {
     const End end = integrate(params, coarsest << level);
@@ -174,6 +175,24 @@ TEST(FemOrder, NewmarkIsOfSecondOrderForGammaOneHalfAndOfFirstAbove) {
   expect_order(params, 2.0, 64);
   params.integrator = {.kind = IntegratorKind::Newmark, .newmark_beta = 0.36, .newmark_gamma = 0.7};
   expect_order(params, 1.0, 500);
+}
+
+// The linearisation point and what the tangent leaves out cost no order in any formulation: the
+// truth solves each one's own equations.
+TEST(FemOrder, IsTheIntegratorsForEveryFormulation) {
+  for (const FormulationKind formulation :
+       {FormulationKind::Linear, FormulationKind::ConsistentCorotational,
+        FormulationKind::TotalLagrangian}) {
+    SCOPED_TRACE(static_cast<int>(formulation));
+    Params params = driven_box(formulation);
+    expect_order(params, 1.0, 500);
+    params.integrator = {.kind = IntegratorKind::Hht, .hht_alpha = -0.05};
+    expect_order(params, 2.0, 64);
+    params.integrator = {.kind = IntegratorKind::GeneralisedAlpha, .rho_infinity = 0.9};
+    expect_order(params, 2.0, 64);
+    params.integrator = {.kind = IntegratorKind::Newmark};
+    expect_order(params, 2.0, 64);
+  }
 }
 
 // Several micro steps in one macro step see the port motion by interpolation, whose own error is of

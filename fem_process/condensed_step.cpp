@@ -1,0 +1,174 @@
+#include "fem_process/condensed_step.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <vector>
+
+namespace tandem::fem {
+namespace {
+
+using Rates = Eigen::Matrix<double, 3, 12>;
+
+/// A prescribed node that follows a port.
+struct PortNode {
+  int node = 0;
+  std::size_t port = 0;
+  Eigen::Vector3d torque_arm;  ///< R_WP r, at the beginning of the step (m)
+  Rates rate;                  ///< of its velocity with its port's end motion
+};
+
+/// dv = δv + δw × r + w × (δθ × r).
+Rates rates_of(const Motion& end, const Eigen::Vector3d& arm) {
+  const Eigen::Vector3d r = end.q_WP * arm;
+  Rates rates = Rates::Zero();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Eigen::Vector3d turn = Eigen::Vector3d::Unit(k).cross(r);
+    rates.col(3 + k) = end.w_WP.cross(turn);
+    rates.col(6 + k) = Eigen::Vector3d::Unit(k);
+    rates.col(9 + k) = turn;
+  }
+  return rates;
+}
+
+/// What the step's columns are made of.
+class Condensation {
+ public:
+  Condensation(const Model& model, const PortArms& arms, const MotionSet& end,
+               const MotionSet& torque_pose, const Linearisation& kept)
+      : model_(model),
+        kept_(kept),
+        free_(static_cast<std::size_t>(model.mesh.nodes()), -1),
+        port_node_(free_.size(), -1) {
+    for (std::size_t k = 0; k < model.free.size(); ++k) {
+      free_[static_cast<std::size_t>(model.free[k])] = static_cast<int>(k);
+    }
+    for (std::size_t p = 0; p < arms.size(); ++p) {
+      for (std::size_t k = 0; k < arms[p].size(); ++k) {
+        const int node = model.ports[p].nodes[k];
+        port_node_[static_cast<std::size_t>(node)] = static_cast<int>(nodes_.size());
+        nodes_.push_back({.node = node,
+                          .port = p,
+                          .torque_arm = torque_pose[p].q_WP * arms[p][k],
+                          .rate = rates_of(end[p], arms[p][k])});
+      }
+      // A turn of the port moves velocities where it rotates; a displacement
+      // moves none.
+      for (Eigen::Index c = end[p].w_WP.isZero(0.0) ? 6 : 3; c < 12; ++c) {
+        moving_.push_back(12 * static_cast<Eigen::Index>(p) + c);
+      }
+    }
+    reactions_.setZero(3 * static_cast<Eigen::Index>(nodes_.size()), columns());
+  }
+
+  [[nodiscard]] Eigen::Index columns() const { return static_cast<Eigen::Index>(moving_.size()); }
+
+  /// −S_Ip T_c; the share of S_pp T_c goes to the reactions.
+  [[nodiscard]] Eigen::MatrixXd right_hand_sides() {
+    Eigen::MatrixXd b =
+        Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(model_.free.size()), columns());
+    for_blocks([&](std::size_t at, int j, const Eigen::Matrix3d& S) {
+      const auto other = static_cast<std::size_t>(j);
+      if (free_[other] >= 0) {
+        add(-S.transpose() * nodes_[at].rate, nodes_[at].port, b.middleRows<3>(3 * free_[other]));
+      } else if (port_node_[other] >= 0) {
+        const PortNode& neighbour = nodes_[static_cast<std::size_t>(port_node_[other])];
+        add(S * neighbour.rate, neighbour.port,
+            reactions_.middleRows<3>(3 * static_cast<Eigen::Index>(at)));
+      }
+    });
+    return b;
+  }
+
+  /// Adds S_pI x_c to the reactions.
+  void add_interior(const Eigen::MatrixXd& x) {
+    for_blocks([&](std::size_t at, int j, const Eigen::Matrix3d& S) {
+      const int free = free_[static_cast<std::size_t>(j)];
+      if (free < 0) return;
+      reactions_.middleRows<3>(3 * static_cast<Eigen::Index>(at)).noalias() +=
+          S * x.middleRows<3>(3 * free);
+    });
+  }
+
+  /// Wrenches of the reactions, corrected by what is left of the columns'
+  /// equations.
+  void wrenches(const Eigen::MatrixXd& x, const Eigen::MatrixXd& left,
+                InterfaceJacobian& jacobian) const {
+    const Eigen::MatrixXd products = x.transpose() * left;
+    for (Eigen::Index c = 0; c < columns(); ++c) {
+      const Eigen::Index column = moving_[static_cast<std::size_t>(c)];
+      for (std::size_t k = 0; k < nodes_.size(); ++k) {
+        const Eigen::Vector3d g = reactions_.col(c).segment<3>(3 * static_cast<Eigen::Index>(k));
+        const Eigen::Index row = 6 * static_cast<Eigen::Index>(nodes_[k].port);
+        jacobian.col(column).segment<3>(row) -= g;
+        jacobian.col(column).segment<3>(row + 3) -= nodes_[k].torque_arm.cross(g);
+      }
+      for (Eigen::Index w = 0; w < columns(); ++w) {
+        const Eigen::Index rate = moving_[static_cast<std::size_t>(w)];
+        if (rate % 12 < 6) continue;  // forces go with v_WP, torques with w_WP
+        jacobian(6 * (rate / 12) + rate % 12 - 6, column) += products(w, c);
+      }
+    }
+  }
+
+ private:
+  /// Calls work(index of the port node, other node, block of S) for the rows of
+  /// the port nodes.
+  template <class Work>
+  void for_blocks(const Work& work) const {
+    const BlockPattern& pattern = model_.pattern();
+    const Damping& damping = model_.params.damping;
+    const StepMap& map = kept_.map;
+    const double m = map.c_a + map.theta * damping.alpha_per_s;
+    const double k = map.theta * (damping.beta_s + map.c_x);
+    for (std::size_t at = 0; at < nodes_.size(); ++at) {
+      const auto row = static_cast<std::size_t>(nodes_[at].node);
+      for (int b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
+        Eigen::Matrix3d S = k * block(kept_.K, b);
+        S.diagonal().array() += m * model_.mass[static_cast<std::size_t>(b)];
+        work(at, pattern.column[static_cast<std::size_t>(b)], S);
+      }
+    }
+  }
+
+  /// Adds a port's columns to those that move.
+  template <class Rows>
+  void add(const Rates& change, std::size_t port, Rows rows) const {
+    for (std::size_t c = 0; c < moving_.size(); ++c) {
+      if (moving_[c] / 12 != static_cast<Eigen::Index>(port)) continue;
+      rows.col(static_cast<Eigen::Index>(c)) += change.col(moving_[c] % 12);
+    }
+  }
+
+  const Model& model_;
+  const Linearisation& kept_;
+  std::vector<int> free_;       ///< index of every node among the free ones; below zero: none
+  std::vector<int> port_node_;  ///< the same in nodes_
+  std::vector<PortNode> nodes_;
+  std::vector<Eigen::Index> moving_;  ///< columns of the Jacobian that do not vanish
+  Eigen::MatrixXd reactions_;
+};
+
+}  // namespace
+
+bool condenses(const Model& model, const Linearisation& kept) {
+  return !kept.iterated && !model.integrator->keeps_history() && !kept.map.prescribed_position;
+}
+
+SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& end,
+                     const MotionSet& torque_pose, const Linearisation& kept,
+                     InterfaceJacobian& jacobian) {
+  jacobian.setZero(6 * static_cast<Eigen::Index>(arms.size()),
+                   12 * static_cast<Eigen::Index>(arms.size()));
+  if (arms.empty()) return {};
+  Condensation condensation(model, arms, end, torque_pose, kept);
+  Eigen::MatrixXd x = condensation.right_hand_sides();
+  const Eigen::VectorXd norms = x.colwise().norm();
+  Eigen::MatrixXd left;
+  const SolveReport report = kept.solver->solve_roughly(x, norms, left);
+  if (report.outcome == Outcome::Failed) return report;
+  condensation.add_interior(x);
+  condensation.wrenches(x, left, jacobian);
+  return report;
+}
+
+}  // namespace tandem::fem

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "fem_process/model.h"
+#include "fem_process/transient_step.h"
+
+namespace tandem::fem {
+
+/// Whether the derivative of a macro step of one micro step is condense()'s:
+/// prescribed nodes enter the balance of forces as free ones do, and neither a
+/// history nor an iteration adds to it.
+[[nodiscard]] bool condenses(const Model& model, const Linearisation& kept);
+
+/// Derivative of the wrenches at the end of a macro step of one backward Euler
+/// step with respect to the motions there: the Schur complement of the step
+/// matrix S onto the ports,
+///   ∂λ/∂m = −T_bᵀ (S_pp − S_pI S_II⁻¹ S_Ip) T_e,
+/// T the rigid velocities of the port nodes per coordinate, with arms at the
+/// beginning of the step (torques) and at its end (motions). Columns x_c =
+/// −S_II⁻¹ S_Ip T_c are solved roughly: with what is left of their equations,
+/// r_c, and a symmetric S
+///   T_wᵀ S_pI S_II⁻¹ S_Ip T_c = −T_wᵀ S_pI x_c + x_wᵀ r_c + r_wᵀ S_II⁻¹ r_c.
+/// The last term, of second order, is left out, and with it the turn of the
+/// arms within the step in x_w. 6P × 12P.
+SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& end,
+                     const MotionSet& torque_pose, const Linearisation& kept,
+                     InterfaceJacobian& jacobian);
+
+}  // namespace tandem::fem
