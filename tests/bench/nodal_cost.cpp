@@ -120,7 +120,7 @@ Cost cost_of(const std::filesystem::path& folder, const Case& c, Mode mode) {
   return {times[kRepetitions / 2], bytes};
 }
 
-/// What one mesh costs.
+/// What one mesh costs, coupled either way.
 struct Row {
   int nodes = 0;
   std::size_t tets = 0;
