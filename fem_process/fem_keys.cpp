@@ -295,9 +295,8 @@ Key fem_keys() {
   Section fem;
   fem.title = "Flexible body";
   fem.doc =
-      "A finite-element body whose port nodes follow the ports rigidly, or beams in contact with "
-      "the "
-      "ports' bodies.";
+      "A finite-element body whose port nodes are attached to the ports, or beams in contact with "
+      "the ports' bodies.";
   fem.keys = {
       mesh_key(),
       material_key(),
@@ -408,8 +407,11 @@ Params read_params(const Node& root) {
       continue;
     }
     require(!port.node_set.empty(), port.place.text() + ": port '" + port.name +
-                                        "' needs node_set: the nodes of the mesh that follow it.");
-    PortSet set{.name = port.name, .set = {port.node_set, port.place}, .p_WP = std::nullopt};
+                                        "' needs node_set: its nodes of the mesh.");
+    PortSet set{.name = port.name,
+                .set = {port.node_set, port.place},
+                .p_WP = std::nullopt,
+                .attachment = port.attachment};
     if (!port.at_body_frame) set.p_WP = port.p_WP;
     params.ports.push_back(std::move(set));
   }

@@ -86,7 +86,7 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   MacroStepWrench answer(*model_.integrator, n);
   Advance done;
   done.last.state = state_;
-  StepTangent tangent(model_, step_->arms(), n);
+  StepTangent tangent(model_, step_->arms(), step_->loose_ports(), n);
   const auto book = [&](const SolveReport& report, SimTime time) {
     done.report.iterations += report.iterations;
     if (report.outcome <= done.report.outcome) return;
@@ -168,7 +168,7 @@ Observation FlexibleBody::observe() {
     seen.energy.kinetic_J =
         0.5 * state_.v.dot(multiply_scalar(model_.pattern(), model_.mass, state_.v));
   }
-  seen.energy.elastic_J = model_.formulation->energy(state_.x);
+  seen.energy.elastic_J = model_.formulation->energy(state_.x) + state_.bushing_J;
   for (int i = 0; i < model_.mesh.nodes(); ++i) {
     seen.energy.potential_J -= model_.nodal_mass[static_cast<std::size_t>(i)] *
                                model_.params.gravity_m_per_s2.dot(state_.x.segment<3>(3 * i));

@@ -24,14 +24,29 @@ std::vector<std::string> names_of(const std::vector<SetName>& sets) {
   return names;
 }
 
+void require_rigid(const Params& params, const std::string& cause, const std::string& choice) {
+  for (const PortSet& port : params.ports) {
+    require(!port.attachment.loose(),
+            (port.set.place.file.empty() ? "fem" : port.set.place.text()) + ": port '" + port.name +
+                "' is not rigid, and " + cause + ". Set attachment: rigid, or choose " + choice +
+                ".");
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<FlexibleSide> make_body(Params params) {
-  if (params.nodal) return std::make_unique<NodalBody>(std::move(params));
+  if (params.nodal) {
+    require_rigid(params, "with fem.coupling: nodal every node is a port of its own",
+                  "fem.coupling: ports");
+    return std::make_unique<NodalBody>(std::move(params));
+  }
   if (params.formulation == FormulationKind::CraigBampton) {
     require(params.changes.empty(),
             "fem: fem.changes needs the full body: the modes of craig_bampton belong to the sets "
             "that are held at t = 0. Choose another fem.formulation.");
+    require_rigid(params, "the constraint modes of craig_bampton move every port's nodes rigidly",
+                  "another fem.formulation");
     return std::make_unique<ReducedBody>(std::move(params));
   }
   return std::make_unique<FlexibleBody>(std::move(params));

@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "fem_process/make_formulation.h"
+#include "fem_process/node_average.h"
+#include "fem_process/surface.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -28,6 +30,39 @@ std::string where(const SetName& name) {
 
 std::string tag_of(const TetMesh& mesh, int node) {
   return "node " + std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]);
+}
+
+/// Weights of a loose port's nodes. Throws a Usage error where the set has no least-squares frame.
+std::vector<double> weights_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set,
+                               const Integrator& integrator) {
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorKind::Usage, where(port.set) + "port '" + port.name + "': the set '" +
+                                      port.set.name + "' " + what);
+  };
+  // K alone, without the mass in the step matrix, is singular where only loose ports hold a body.
+  if (!integrator.inertia()) {
+    fail(
+        "is not attached rigidly, which fem.integrator.kind quasi_static needs. Set attachment: "
+        "rigid, or choose backward_euler, which settles to the same equilibrium.");
+  }
+  std::vector<double> weights(set.nodes.size(), 1.0);
+  if (port.attachment.weights == scenario::NodeWeights::Area) {
+    if (set.triangles.empty()) {
+      fail("is no surface, so its nodes have no areas. Set weights: uniform, or name a surface.");
+    }
+    const std::vector<double> areas = nodal_areas(mesh, set);
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      weights[k] = areas[static_cast<std::size_t>(set.nodes[k])];
+    }
+  }
+  std::vector<Eigen::Vector3d> positions;
+  for (int node : set.nodes) positions.push_back(mesh.X[static_cast<std::size_t>(node)]);
+  if (NodeAverage(set.nodes, weights, positions).collinear()) {
+    fail("has " + std::to_string(set.nodes.size()) +
+         " node(s) in one line or point, and a least-squares frame needs three that are not in "
+         "line. Name a larger set, or set attachment: rigid.");
+  }
+  return weights;
 }
 
 }  // namespace
@@ -85,7 +120,9 @@ void Model::find_ports() {
       }
       owner = static_cast<int>(ports.size());
     }
-    ports.push_back({port.name, set.nodes, length_of(mesh, port, set)});
+    Port& made =
+        ports.emplace_back(Port{port.name, set.nodes, length_of(mesh, port, set), port.attachment});
+    if (port.attachment.loose()) made.weights = weights_of(mesh, port, set, *integrator);
   }
 }
 
@@ -106,14 +143,18 @@ void Model::hold(const std::vector<SetName>& sets) {
       held.push_back(node);
     }
   }
-  require(std::find(owners.begin(), owners.end(), kNobody) != owners.end(),
+  const auto moves = [&](int owner) {
+    return owner == kNobody ||
+           (owner >= 0 && ports[static_cast<std::size_t>(owner)].attachment.loose());
+  };
+  require(std::any_of(owners.begin(), owners.end(), moves),
           "fem: every node of " + mesh.file.string() +
-              " is in a port or fixed: nothing can move. Mesh finer.");
+              " is in a rigid port or fixed: nothing can move. Mesh finer.");
   fixed = std::move(held);
   free.clear();
   prescribed.clear();
   for (int node = 0; node < mesh.nodes(); ++node) {
-    (owners[static_cast<std::size_t>(node)] == kNobody ? free : prescribed).push_back(node);
+    (moves(owners[static_cast<std::size_t>(node)]) ? free : prescribed).push_back(node);
   }
   interior = sub_pattern(pattern(), free);
 }

@@ -24,6 +24,8 @@ class Model {
     std::string name;
     std::vector<int> nodes;
     double length_m = 0.0;  ///< see length_of
+    scenario::Attachment attachment{};
+    std::vector<double> weights{};  ///< of the nodes, where the attachment is not rigid
   };
 
   Params params;
@@ -36,11 +38,11 @@ class Model {
   std::vector<double> nodal_mass;  ///< row sums (kg)
   std::vector<Port> ports;
   std::vector<int> fixed;       ///< held: at their initial positions, or where a command found them
-  std::vector<int> prescribed;  ///< port nodes and fixed nodes
+  std::vector<int> prescribed;  ///< nodes of rigid ports and fixed nodes
   std::vector<int> free;
   SubPattern interior;  ///< free nodes
 
-  /// Divides the nodes anew: those of ports and of these sets are prescribed, the others free. A
+  /// Divides the nodes anew: those of rigid ports and of these sets are prescribed, others free. A
   /// set that shares nodes with a port is a Usage error, and changes nothing.
   void hold(const std::vector<SetName>& sets);
 

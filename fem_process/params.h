@@ -12,6 +12,7 @@
 #include "fem_process/materials.h"
 #include "fem_process/mesh.h"
 #include "protocol/contract/sim_time.h"
+#include "protocol/scenario/attachment.h"
 #include "protocol/scenario/law.h"
 
 namespace tandem::fem {
@@ -72,11 +73,12 @@ struct InitialVelocity {
   Eigen::Matrix3d gradient_per_s = Eigen::Matrix3d::Zero();
 };
 
-/// A port: its name and the node set that follows its frame rigidly.
+/// A port: its name, the node set that hangs on its frame, and how.
 struct PortSet {
   std::string name;
   SetName set;
   std::optional<Eigen::Vector3d> p_WP;  ///< Po at t = 0 (m), when the scenario states it
+  scenario::Attachment attachment{};
 };
 
 struct Params {

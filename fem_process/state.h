@@ -25,7 +25,9 @@ struct State {
   /// empty when it is not made of them. Row `past_next` is the oldest.
   EightVectors past;
   int past_next = 0;
-  Boundary boundary;  ///< what is held, and forces by command
+  Eigen::VectorXd attached;  ///< forces φ of averaging ports and bushings, see LoosePorts
+  double bushing_J = 0.0;    ///< strain energy of the bushings
+  Boundary boundary;         ///< what is held, and forces by command
   double external_work_J = 0.0;
   int inverted_elements = 0;  ///< at the last linearisation
   /// Number of this state: equal numbers mean equal states, so that what was computed from a state
@@ -35,7 +37,8 @@ struct State {
   [[nodiscard]] std::uint64_t hash() const {
     StateHash hash;
     hash.add(static_cast<std::int64_t>(time.count()));
-    for (const Eigen::VectorXd* values : {&x, &v, &a, &acceleration, &a_mean, &force, &react}) {
+    for (const Eigen::VectorXd* values :
+         {&x, &v, &a, &acceleration, &a_mean, &force, &react, &attached}) {
       hash.add(std::span<const double>(values->data(), static_cast<std::size_t>(values->size())));
     }
     if (past.size() > 0) {

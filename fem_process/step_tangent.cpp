@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -107,8 +108,25 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
   direction.moves = started || direction.dv.squaredNorm() + direction.dd.squaredNorm() > 0.0;
 }
 
-/// Derivative of r = C v + f_int − f_ext: of its linearisation at x̃ or, where
-/// the step is iterated to equilibrium, of r itself at x⁺.
+/// A column's change of its port's motion.
+LooseTangent::Change StepTangent::change_of(const Motions& motions, Eigen::Index column) {
+  const auto p = static_cast<std::size_t>(column / 12);
+  return {p, motions.derivative[p].col(column % 12)};
+}
+
+void StepTangent::prescribe_loose(const Motions& end, const Linearisation& kept,
+                                  const LooseTangent& loose, Eigen::Index column,
+                                  Direction& direction) const {
+  const bool started = direction.begin.x.size() > 0;
+  const LooseTangent::Change change = change_of(end, column);
+  direction.d_phi = Eigen::VectorXd::Zero(loose_.size());
+  loose.prescribe(kept.map, started ? &direction.map : nullptr, change, direction.dd, direction.da);
+  const bool own = model_.ports[change.port].attachment.loose();
+  direction.moves = direction.moves || (own && !change.motion.isZero(0.0));
+}
+
+/// Derivative of r = C v + f_int − f_ext: of its linearisation at x̃ or, where the step is iterated
+/// to equilibrium, of r itself at x⁺.
 Eigen::VectorXd StepTangent::force(const Direction& direction, const TransientStep::Result& result,
                                    const Linearisation& kept, ProductPart part) const {
   const Damping& damping = model_.params.damping;
@@ -139,13 +157,19 @@ Eigen::VectorXd StepTangent::residual(const Direction& direction, const Eigen::V
   Eigen::VectorXd change =
       multiply_scalar(model_.pattern(), model_.mass, direction.da, part) + theta * force;
   if (direction.begin.force.size() > 0) change += (1.0 - theta) * direction.begin.force;
+  if (loose_.empty()) return change;
+  loose_.add_forces(direction.d_phi, -theta, change);
+  if (direction.begin.attached.size() > 0) {
+    loose_.add_forces(direction.begin.attached, theta - 1.0, change);
+  }
   return change;
 }
 
 /// Wrench derivatives of one direction, and the derivative of the new state.
 ///   df = −Σ dg,   dt = −Σ r × dg − Σ (δθ × r) × g
-void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result& result,
-                         const Linearisation& kept, Eigen::Index column, Direction& direction) {
+void StepTangent::finish(const Motions& end, const Motions& torque_pose,
+                         const TransientStep::Result& result, const Linearisation& kept,
+                         const LooseTangent* loose, Eigen::Index column, Direction& direction) {
   // Where no later step needs the forces, the reactions alone are needed.
   ProductPart part;
   if (!model_.integrator->averages_forces()) part.rows = &model_.prescribed;
@@ -156,13 +180,13 @@ void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result
   }
   d_react /= kept.map.theta;
   for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
-  jacobian_.col(column) = stack(port_wrenches(model_, arms_, torque_pose.value, d_react));
+  WrenchSet d_wrenches = port_wrenches(model_, arms_, torque_pose.value, d_react);
   const auto p = static_cast<std::size_t>(column / 12);
   const Eigen::Vector3d turn = torque_pose.derivative[p].block<3, 1>(3, column % 12);
   const Eigen::Matrix3d R_WP = torque_pose.value[p].q_WP.toRotationMatrix();
   for (std::size_t k = 0; k < arms_[p].size(); ++k) {
     const Eigen::Vector3d g = result.react.segment<3>(3 * model_.ports[p].nodes[k]);
-    jacobian_.block<3, 1>(6 * (column / 12) + 3, column) -= turn.cross(R_WP * arms_[p][k]).cross(g);
+    d_wrenches[p].t_P_W -= turn.cross(R_WP * arms_[p][k]).cross(g);
   }
 
   State after;
@@ -173,6 +197,20 @@ void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result
       after.x.segment<3>(3 * node) += direction.map.x_tilde.segment<3>(3 * node);
     }
   }
+  if (loose != nullptr) {
+    loose->follow(change_of(end, column), after.x);
+    Eigen::VectorXd dq = Eigen::VectorXd::Zero(loose_.size());
+    if (!model_.integrator->torque_arms_at_begin()) {
+      dq = loose_.coordinates(after.x);
+    } else if (direction.begin.x.size() > 0) {
+      dq = loose_.coordinates(direction.begin.x);
+    }
+    add_wrench_derivative(loose_, torque_pose.value, result.q, result.state.attached,
+                          {p, torque_pose.derivative[p].col(column % 12)}, dq, direction.d_phi,
+                          d_wrenches);
+    after.attached = direction.d_phi;
+  }
+  jacobian_.col(column) = stack(d_wrenches);
   if (model_.integrator->keeps_history()) {
     if (direction.begin.x.size() == 0) {
       const Eigen::VectorXd zero = Eigen::VectorXd::Zero(after.x.size());
@@ -188,12 +226,12 @@ void StepTangent::finish(const Motions& torque_pose, const TransientStep::Result
   direction.begin = std::move(after);
 }
 
-/// Corrects dv of the moving directions to the derivative of the balance of
-/// forces. Once with the step's own matrix; where the step is iterated, that
-/// matrix leaves out what K does, and the correction is repeated until nothing
-/// is left, as the iteration of the step itself.
-SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
-                               const TransientStep::Result& result, const Linearisation& kept) {
+/// Corrects dv of the moving directions to the derivative of the balance of forces. Once with the
+/// step's own matrix; where the step is iterated, that matrix leaves out what K does, and the
+/// correction is repeated until nothing is left, as the iteration of the step itself.
+SolveReport StepTangent::solve(const Motions& end, const std::vector<Eigen::Index>& moving,
+                               const TransientStep::Result& result, const Linearisation& kept,
+                               const LooseTangent* loose) {
   const SolverParams& params = model_.params.solver;
   const double limit =
       params.kind == SolverKind::Pcg ? std::max(1e-10, 2.0 * params.tolerance) : 1e-10;
@@ -230,6 +268,11 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
       scatter_add(column, model_.free, direction.dv);
       scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
       scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
+      if (loose == nullptr) continue;
+      attach(change_of(end, moving[static_cast<std::size_t>(k)]), kept, *loose, direction);
+      Eigen::VectorXd pulled = Eigen::VectorXd::Zero(direction.dv.size());
+      loose_.add_forces(direction.d_phi, kept.map.theta, pulled);
+      norms(k) = std::max(norms(k), pulled.norm());
     }
   }
   if (kept.iterated) {
@@ -241,18 +284,42 @@ SolveReport StepTangent::solve(const std::vector<Eigen::Index>& moving,
   return total;
 }
 
+/// Adds what the ports' forces do to the derivatives so far.
+void StepTangent::attach(const LooseTangent::Change& change, const Linearisation& kept,
+                         const LooseTangent& loose, Direction& direction) const {
+  Eigen::VectorXd dx = direction.dd;
+  if (direction.begin.x.size() > 0) dx += direction.map.x_tilde;
+  const Eigen::VectorXd correction = loose.correction(dx, direction.dv, direction.d_phi, change);
+  const Eigen::VectorXd column = kept.port_columns * correction;
+  direction.d_phi += correction;
+  scatter_add(column, model_.free, direction.dv);
+  scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
+  scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
+}
+
 SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
                                  const TransientStep::Result& result, const Linearisation& kept) {
-  if (micro_steps_ == 1 && condenses(model_, kept)) {
+  if (loose_.empty() && micro_steps_ == 1 && condenses(model_, kept)) {
     return condense(model_, arms_, end.value, torque_pose.value, kept, jacobian_);
   }
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
   directions_.resize(static_cast<std::size_t>(columns));
   jacobian_.setZero(columns / 2, columns);
+  std::optional<LooseTangent> solution;
+  if (!loose_.empty()) {
+    solution.emplace(loose_, LooseTangent::Solution{.end = end.value,
+                                                    .x = kept.map.x_tilde + result.d,
+                                                    .v = result.state.v,
+                                                    .phi = result.state.attached,
+                                                    .Y = kept.port_response,
+                                                    .c_x = kept.map.c_x});
+  }
+  const LooseTangent* const loose = solution ? &*solution : nullptr;
   std::vector<Eigen::Index> moving;
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];
     prescribe(end, result, kept, c, direction);
+    if (loose != nullptr) prescribe_loose(end, kept, *loose, c, direction);
     if (direction.moves) {
       moving.push_back(c);
     } else if (direction.dx.squaredNorm() > 0.0) {
@@ -263,10 +330,11 @@ SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
     }
   }
   if (moving.empty()) return {};
-  const SolveReport report = solve(moving, result, kept);
+  const SolveReport report = solve(end, moving, result, kept, loose);
   if (report.outcome == Outcome::Failed) return report;
   for (Eigen::Index column : moving) {
-    finish(torque_pose, result, kept, column, directions_[static_cast<std::size_t>(column)]);
+    finish(end, torque_pose, result, kept, loose, column,
+           directions_[static_cast<std::size_t>(column)]);
   }
   return report;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fem_process/loose_tangent.h"
 #include "fem_process/model.h"
 #include "fem_process/state.h"
 #include "fem_process/transient_step.h"
@@ -29,10 +30,10 @@ using MotionDerivative = std::vector<Eigen::Matrix<double, 12, 12>>;
 /// matrix leaves out is in: once for an exact tangent.
 class StepTangent {
  public:
-  /// At the start of a macro step the state does not depend on its input.
-  /// References are kept.
-  StepTangent(const Model& model, const PortArms& arms, std::int64_t micro_steps)
-      : model_(model), arms_(arms), micro_steps_(micro_steps) {}
+  /// At the start of a macro step the state does not depend on its input. References are kept.
+  StepTangent(const Model& model, const PortArms& arms, const LoosePorts& loose,
+              std::int64_t micro_steps)
+      : model_(model), arms_(arms), loose_(loose), micro_steps_(micro_steps) {}
 
   /// Motions of the ports and their derivatives.
   struct Motions {
@@ -56,23 +57,32 @@ class StepTangent {
     Eigen::VectorXd dv;       ///< of v⁺
     Eigen::VectorXd dd;       ///< of x⁺ − x̃
     Eigen::VectorXd da;       ///< of a⁺
+    Eigen::VectorXd d_phi;    ///< of the forces of averaging ports and bushings
     Eigen::VectorXd turning;  ///< of f_int(x̃) + K(x̃) y at fixed y = β v⁺ + d
     bool moves = false;       ///< false: nothing changes
   };
   void prescribe(const Motions& end, const TransientStep::Result& result, const Linearisation& kept,
                  Eigen::Index column, Direction& direction) const;
+  void prescribe_loose(const Motions& end, const Linearisation& kept, const LooseTangent& loose,
+                       Eigen::Index column, Direction& direction) const;
+  [[nodiscard]] static LooseTangent::Change change_of(const Motions& motions, Eigen::Index column);
   [[nodiscard]] Eigen::VectorXd force(const Direction& direction,
                                       const TransientStep::Result& result,
                                       const Linearisation& kept, ProductPart part) const;
   [[nodiscard]] Eigen::VectorXd residual(const Direction& direction, const Eigen::VectorXd& force,
                                          const Linearisation& kept, ProductPart part) const;
-  SolveReport solve(const std::vector<Eigen::Index>& moving, const TransientStep::Result& result,
-                    const Linearisation& kept);
-  void finish(const Motions& torque_pose, const TransientStep::Result& result,
-              const Linearisation& kept, Eigen::Index column, Direction& direction);
+  SolveReport solve(const Motions& end, const std::vector<Eigen::Index>& moving,
+                    const TransientStep::Result& result, const Linearisation& kept,
+                    const LooseTangent* loose);
+  void attach(const LooseTangent::Change& change, const Linearisation& kept,
+              const LooseTangent& loose, Direction& direction) const;
+  void finish(const Motions& end, const Motions& torque_pose, const TransientStep::Result& result,
+              const Linearisation& kept, const LooseTangent* loose, Eigen::Index column,
+              Direction& direction);
 
   const Model& model_;
   const PortArms& arms_;
+  const LoosePorts& loose_;
   std::vector<Direction> directions_;
   InterfaceJacobian jacobian_;
   std::int64_t micro_steps_;

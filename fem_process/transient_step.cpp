@@ -12,9 +12,21 @@
 #include "protocol/contract/cost.h"
 
 namespace tandem::fem {
+namespace {
+
+PortArms arms_of_rigid_ports(const Model& model, PortArms arms) {
+  for (std::size_t p = 0; p < arms.size(); ++p) {
+    if (model.ports[p].attachment.loose()) arms[p].clear();
+  }
+  return arms;
+}
+
+}  // namespace
+
 TransientStep::TransientStep(const Model& model, PortArms arms)
     : model_(model),
-      arms_(std::move(arms)),
+      arms_(arms_of_rigid_ports(model, arms)),
+      loose_(model, arms),
       node_rotations_(model.mesh, model.pattern(), model.free),
       rest_(factorize_at_rest()) {}
 
@@ -95,85 +107,6 @@ WrenchSet port_wrenches(const Model& model, const PortArms& arms, const MotionSe
   return wrenches;
 }
 
-SolveReport TransientStep::start(const MotionSet& motions, State& state,
-                                 WrenchSet& wrenches) const {
-  state.x = model_.reference();
-  state.v = model_.initial_velocities();
-  prescribe(motions, state.x, state.v);
-  if (!model_.integrator->inertia()) return settle(motions, state, wrenches);
-  if (remembers()) {
-    state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
-    remember(state.v, state);
-  }
-  Eigen::VectorXd a = Eigen::VectorXd::Zero(state.x.size());
-  for (std::size_t p = 0; p < arms_.size(); ++p) {
-    const Eigen::Vector3d& w = motions[p].w_WP;
-    const Eigen::Matrix3d R_WP = motions[p].q_WP.toRotationMatrix();
-    for (std::size_t k = 0; k < arms_[p].size(); ++k) {
-      a.segment<3>(3 * model_.ports[p].nodes[k]) = w.cross(w.cross(R_WP * arms_[p][k]));
-    }
-  }
-  Eigen::VectorXd react;
-  const SolveReport report = accelerate(state, a, react);
-  wrenches = port_wrenches(model_, arms_, motions, react);
-  if (!model_.integrator->keeps_history()) return report;
-  state.a_mean = state.a = a;
-  if (!model_.integrator->averages_forces()) state.acceleration = std::move(a);
-  return report;
-}
-
-/// Accelerations of the free nodes from the balance at the state's x, v and t, those of the
-/// prescribed nodes given; the reactions; the forces of the state where it keeps them.
-SolveReport TransientStep::accelerate(State& state, Eigen::VectorXd& a,
-                                      Eigen::VectorXd& react) const {
-  Eigen::VectorXd f_int;
-  BlockValues K;
-  state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
-  const Eigen::VectorXd force = f_int + damping_force(K, state.v) -
-                                model_.external_forces(to_seconds(state.time)) -
-                                commanded_forces(state);
-  Eigen::MatrixXd rhs =
-      -gather(multiply_scalar(model_.pattern(), model_.mass, a) + force, model_.free);
-  BlockValues M;
-  combine(model_.interior, 1.0, model_.mass, 0.0, nullptr, M, *model_.team);
-  const auto solver = make_solver(model_.params.solver, model_.interior.pattern);
-  SolveReport report = solver->factorize(M);
-  const Eigen::VectorXd norms = Eigen::VectorXd::Constant(1, rhs.norm());
-  if (report.outcome == Outcome::Done) report = solver->solve(rhs, norms);
-  scatter_add(rhs.col(0), model_.free, a);
-  react = multiply_scalar(model_.pattern(), model_.mass, a) + force;
-  for (int node : model_.free) react.segment<3>(3 * node).setZero();
-  if (model_.integrator->averages_forces()) {
-    state.force = force;
-    state.react = react;
-  }
-  return report;
-}
-
-SolveReport TransientStep::restart(State& state) const {
-  for (int node : model_.fixed) {
-    for (Eigen::VectorXd* values : {&state.v, &state.a, &state.a_mean, &state.acceleration}) {
-      if (values->size() > 0) values->segment<3>(3 * node).setZero();
-    }
-  }
-  if (remembers()) {
-    state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
-    state.past_next = 0;
-    remember(state.v, state);
-  }
-  if (!model_.integrator->keeps_history()) return {};
-  const bool averages = model_.integrator->averages_forces();
-  Eigen::VectorXd a = averages ? state.a : state.acceleration;
-  for (int node : model_.free) a.segment<3>(3 * node).setZero();
-  Eigen::VectorXd react;
-  const SolveReport report = accelerate(state, a, react);
-  for (int node : model_.free) {
-    state.a.segment<3>(3 * node) = a.segment<3>(3 * node);
-    if (!averages) state.acceleration.segment<3>(3 * node) = a.segment<3>(3 * node);
-  }
-  return report;
-}
-
 void TransientStep::prepare(const State& state, Linearisation& kept) const {
   static_cast<void>(linearise(state, to_seconds(model_.params.micro_step), kept));
 }
@@ -182,27 +115,6 @@ Eigen::VectorXd TransientStep::commanded_forces(const State& state) const {
   Eigen::VectorXd f = Eigen::VectorXd::Zero(state.x.size());
   add_forces(state.boundary, model_.mesh, f);
   return f;
-}
-
-/// A step that ends at t = 0.
-SolveReport TransientStep::settle(const MotionSet& motions, State& state,
-                                  WrenchSet& wrenches) const {
-  const SimTime h = model_.params.micro_step;
-  State before = state;
-  before.time = -h;
-  before.generation = 1;  // any but 0: nothing is kept yet
-  before.v.setZero();
-  if (remembers()) before.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
-  Linearisation kept;
-  Result result = advance(before, motions, motions, h, kept);
-  if (result.report.outcome == Outcome::Failed) return result.report;
-  result.state.external_work_J = 0.0;
-  state.x = result.state.x;
-  for (int node : model_.free) state.v.segment<3>(3 * node).setZero();
-  result.state.v = std::move(state.v);
-  state = std::move(result.state);
-  wrenches = std::move(result.wrenches);
-  return result.report;
 }
 
 StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation& kept) const {
@@ -235,22 +147,38 @@ StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
   kept.rotations.clear();
   if (warped) node_rotations_.at(kept.map.x_tilde, kept.rotations, *model_.team);
   kept.factorisation = kept.solver->factorize(kept.S, kept.rotations);
+  if (!loose_.empty() && kept.factorisation.outcome == Outcome::Done) {
+    kept.factorisation = find_port_columns(kept);
+  }
   return {.elements_s = middle_s - start_s, .factorize_s = now_s() - middle_s};
 }
 
-TransientStep::Balance TransientStep::balance(const Linearisation& kept, const State& begin,
-                                              const Eigen::VectorXd& f_ext,
+/// Z and Y of LoosePorts.
+SolveReport TransientStep::find_port_columns(Linearisation& kept) const {
+  kept.port_columns = kept.map.theta * loose_.columns();
+  const Eigen::VectorXd norms = kept.port_columns.colwise().norm();
+  const SolveReport report = kept.solver->solve(kept.port_columns, norms);
+  kept.port_response = loose_.coordinates_of(kept.port_columns);
+  return report;
+}
+
+TransientStep::Balance TransientStep::balance(const Linearisation& kept, const Input& input,
+                                              const Eigen::VectorXd& attached,
                                               const Eigen::VectorXd& v, const Eigen::VectorXd& d,
                                               const Eigen::VectorXd& a, ProductPart part) const {
   const Damping& damping = model_.params.damping;
   const double theta = kept.map.theta;
   Balance balance;
   balance.force =
-      kept.f_int - f_ext +
+      kept.f_int - input.f_ext +
       multiply(model_.pattern(), kept.K, damping.beta_s * v + d, part, model_.team.get());
   if (damping.alpha_per_s > 0.0) balance.force += damping.alpha_per_s * inertia(v, part);
   balance.residual = inertia(a, part) + theta * balance.force;
+  const State& begin = input.begin;
   if (begin.force.size() > 0) balance.residual += (1.0 - theta) * begin.force;
+  if (loose_.empty()) return balance;
+  loose_.add_forces(attached, -theta, balance.residual);
+  if (theta < 1.0) loose_.add_forces(begin.attached, theta - 1.0, balance.residual);
   return balance;
 }
 
@@ -259,9 +187,9 @@ void TransientStep::rest(const StepMap& map, Eigen::VectorXd& v, Eigen::VectorXd
                          Eigen::VectorXd& a) const {
   for (int node : model_.free) {
     const Eigen::Index at = 3 * node;
+    d.segment<3>(at) -= map.c_x * v.segment<3>(at);
+    a.segment<3>(at) -= map.c_a * v.segment<3>(at);
     v.segment<3>(at).setZero();
-    d.segment<3>(at) = map.d_hat.segment<3>(at);
-    a.segment<3>(at) = map.a_hat.segment<3>(at);
   }
 }
 
@@ -270,14 +198,15 @@ Eigen::VectorXd TransientStep::multiply_interior(const BlockValues& S,
   return multiply(model_.interior.pattern, S, v, {}, model_.team.get());
 }
 
-void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
-                          const Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
-                          Result& result) const {
+void TransientStep::solve(const Input& input, const Linearisation& kept, Eigen::VectorXd& v,
+                          Eigen::VectorXd& a, Result& result) const {
   const StepMap& map = kept.map;
+  const State& begin = input.begin;
+  const Eigen::VectorXd& attached = result.state.attached;
   Eigen::VectorXd& d = result.d;
   const bool projected = kept.S_past.size() > 0;
   if (projected) rest(kept.map, v, d, a);
-  Eigen::MatrixXd delta = -gather(balance(kept, begin, f_ext, v, d, a).residual, model_.free);
+  Eigen::MatrixXd delta = -gather(balance(kept, input, attached, v, d, a).residual, model_.free);
   Eigen::VectorXd b = delta;
   if (!projected) b += multiply_interior(kept.S, gather(v, model_.free));
   const double start_s = now_s();
@@ -294,11 +223,16 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   scatter_add(delta.col(0), model_.free, v);
   scatter_add(map.c_x * delta.col(0), model_.free, d);
   scatter_add(map.c_a * delta.col(0), model_.free, a);
+  if (!loose_.empty()) {
+    const SolveReport closed = attach(input, kept, v, a, result);
+    if (closed.outcome != Outcome::Done) result.report = closed;
+    if (closed.outcome == Outcome::Failed) return;
+  }
 
   // Where no later step needs the forces, the reactions alone are needed.
   ProductPart part;
   if (!model_.integrator->averages_forces()) part.rows = &model_.prescribed;
-  Balance balanced = balance(kept, begin, f_ext, v, d, a, part);
+  Balance balanced = balance(kept, input, attached, v, d, a, part);
   result.react = std::move(balanced.residual);
   if (begin.react.size() > 0) result.react -= (1.0 - map.theta) * begin.react;
   result.react /= map.theta;
@@ -312,10 +246,27 @@ void TransientStep::solve(const State& begin, const Eigen::VectorXd& f_ext,
   }
 }
 
+SolveReport TransientStep::attach(const Input& input, const Linearisation& kept, Eigen::VectorXd& v,
+                                  Eigen::VectorXd& a, Result& result) const {
+  const StepMap& map = kept.map;
+  Eigen::VectorXd q = loose_.coordinates(map.x_tilde + result.d);
+  Eigen::VectorXd q_rate = loose_.coordinates(v);
+  Eigen::VectorXd attached = result.state.attached;
+  const SolveReport report = loose_.close(input.end, map.c_x, kept.port_response,
+                                          loose_.coordinates(map.x_tilde), q, q_rate, attached);
+  if (report.outcome == Outcome::Failed) return report;
+  const Eigen::VectorXd delta = kept.port_columns * (attached - result.state.attached);
+  scatter_add(delta, model_.free, v);
+  scatter_add(Eigen::VectorXd(map.c_x * delta), model_.free, result.d);
+  scatter_add(Eigen::VectorXd(map.c_a * delta), model_.free, a);
+  result.state.attached = std::move(attached);
+  return report;
+}
+
 /// Newton's iteration on the balance of forces at the end of the step. Every iterate becomes the
 /// linearisation point x̃; d̂ makes up for it, so that x̃ + d̂ stays.
-void TransientStep::correct(const State& begin, const Eigen::VectorXd& f_ext, Linearisation& kept,
-                            Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const {
+void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::VectorXd& v,
+                            Eigen::VectorXd& a, Result& result) const {
   const IntegratorParams& params = model_.params.integrator;
   StepMap map = kept.map;
   if (!kept.corrected) kept.corrected = std::make_unique<Linearisation>();
@@ -334,12 +285,13 @@ void TransientStep::correct(const State& begin, const Eigen::VectorXd& f_ext, Li
     result.report = again.factorisation;
     if (again.factorisation.outcome == Outcome::Failed) return;
     result.d.setZero();
-    residual = gather(balance(again, begin, f_ext, v, result.d, a).residual, model_.free).norm();
-    const double scale = std::max({again.f_int.norm(), f_ext.norm(),
+    const Balance found = balance(again, input, result.state.attached, v, result.d, a);
+    residual = gather(found.residual, model_.free).norm();
+    const double scale = std::max({again.f_int.norm(), input.f_ext.norm(),
                                    multiply_scalar(model_.pattern(), model_.mass, a).norm()});
     limit = std::max(params.newton_tolerance * scale, 2.0 * round_off(model_, again.K, x));
     // One more correction even when converged: it costs a substitution and squares the error.
-    solve(begin, f_ext, again, v, a, result);
+    solve(input, again, v, a, result);
     total.iterations += result.report.iterations;
     if (result.report.outcome > total.outcome) {
       total.outcome = result.report.outcome;
@@ -354,6 +306,16 @@ void TransientStep::correct(const State& begin, const Eigen::VectorXd& f_ext, Li
                               std::to_string(limit) +
                               " N. Halve fem.micro_step_s or raise fem.integrator.newton_steps.",
                    .iterations = total.iterations};
+}
+
+/// Wrenches and energies of the ports at the end of the step, the nodes at x.
+void TransientStep::pull(const State& begin, const MotionSet& end, const MotionSet& torque_pose,
+                         const Eigen::VectorXd& x, Result& result) const {
+  result.wrenches = port_wrenches(model_, arms_, torque_pose, result.react);
+  const Eigen::VectorXd q = loose_.coordinates(x);
+  result.q = model_.integrator->torque_arms_at_begin() ? loose_.coordinates(begin.x) : q;
+  loose_.add_wrenches(torque_pose, result.q, result.state.attached, result.wrenches);
+  result.state.bushing_J = loose_.energy_J(end, q);
 }
 
 TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end,
@@ -378,18 +340,22 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
+  loose_.prescribe(map, end, d, a);
+  result.state.attached = begin.attached;
   const Eigen::VectorXd commanded = commanded_forces(begin);
   const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time)) + commanded;
-  solve(begin, f_ext, kept, v, a, result);
+  const Input input{begin, end, f_ext};
+  solve(input, kept, v, a, result);
   if (result.report.outcome != Outcome::Failed && model_.params.integrator.newton_steps > 0) {
-    correct(begin, f_ext, kept, v, a, result);
+    correct(input, kept, v, a, result);
   }
   if (result.report.outcome == Outcome::Failed) return result;
   const Eigen::VectorXd& x_tilde = kept.last().map.x_tilde;
   for (int node : model_.free) {
     x.segment<3>(3 * node) = x_tilde.segment<3>(3 * node) + d.segment<3>(3 * node);
   }
-  result.wrenches = port_wrenches(model_, arms_, torque_pose, result.react);
+  loose_.follow(end, x);
+  pull(begin, end, torque_pose, x, result);
   const Eigen::VectorXd loads =
       model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time)) + 2.0 * commanded;
   result.state.external_work_J = begin.external_work_J + 0.5 * loads.dot(x - begin.x);

@@ -5,8 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "fem_process/loose_ports.h"
 #include "fem_process/model.h"
 #include "fem_process/node_rotations.h"
+#include "fem_process/port_arms.h"
 #include "fem_process/rest_factor.h"
 #include "fem_process/state.h"
 #include "protocol/contract/port.h"
@@ -34,6 +36,8 @@ struct Linearisation {
   BlockValues S;                         ///< interior step matrix (kg/s)
   std::vector<NodeRotation> rotations;   ///< of the free nodes, for a warped preconditioner
   SolveReport factorisation;
+  Eigen::MatrixXd port_columns;   ///< Z = θ S⁻¹ N of LoosePorts: velocities of the free nodes
+  Eigen::MatrixXd port_response;  ///< Y = Nᵀ Z
   EightVectors S_past;    ///< S times the last velocities, when the initial guess is made of them
   bool iterated = false;  ///< made at an iterate of Newton's, x̃ + d is an equilibrium
   /// With Newton steps: the same at the step's last iterate.
@@ -41,10 +45,8 @@ struct Linearisation {
   [[nodiscard]] const Linearisation& last() const { return corrected ? *corrected : *this; }
 };
 
-/// Port nodes' arms in port axes: r_i = R_WP(0)ᵀ (X_i − p_WP(0)), per port and node (m).
-using PortArms = std::vector<std::vector<Eigen::Vector3d>>;
-
-/// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ R_WP r_i × g_i with R_WP of `pose`.
+/// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ R_WP r_i × g_i with R_WP of `pose`, of
+/// the ports that have arms: the rigid ones.
 [[nodiscard]] WrenchSet port_wrenches(const Model& model, const PortArms& arms,
                                       const MotionSet& pose, const Eigen::VectorXd& react);
 
@@ -75,6 +77,7 @@ class TransientStep {
     WrenchSet wrenches;
     Eigen::VectorXd d;      ///< x⁺ − x̃ as the balance of forces has it (m)
     Eigen::VectorXd react;  ///< nodal reactions at the end (N)
+    Eigen::VectorXd q;      ///< of LoosePorts, as the arms of their torques stand
   };
   /// One step of length h to the motions at its end; the arms of the ports' torques stand as in
   /// `torque_pose`. `kept` is filled unless it belongs to this state and h already; equal bits
@@ -82,9 +85,17 @@ class TransientStep {
   Result advance(const State& begin, const MotionSet& end, const MotionSet& torque_pose, SimTime h,
                  Linearisation& kept) const;
 
+  /// Of rigid ports; the others have none.
   [[nodiscard]] const PortArms& arms() const { return arms_; }
+  [[nodiscard]] const LoosePorts& loose_ports() const { return loose_; }
 
  private:
+  /// What a step is made of, beside its linearisation.
+  struct Input {
+    const State& begin;
+    const MotionSet& end;
+    const Eigen::VectorXd& f_ext;  ///< at the end (N)
+  };
   struct Balance {
     Eigen::VectorXd force;     ///< r = C v + f_int − f_ext (N)
     Eigen::VectorXd residual;  ///< M a + θ r + (1 − θ) r_n (N)
@@ -95,17 +106,23 @@ class TransientStep {
   /// Returns the times of what it did.
   StepTimes linearise(const State& begin, double h_s, Linearisation& kept) const;
   StepTimes linearise_at_tilde(Linearisation& kept) const;
-  void correct(const State& begin, const Eigen::VectorXd& f_ext, Linearisation& kept,
-               Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
+  SolveReport find_port_columns(Linearisation& kept) const;
+  void correct(const Input& input, Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
+               Result& result) const;
   void prescribe(const MotionSet& motions, Eigen::VectorXd& x, Eigen::VectorXd& v) const;
-  [[nodiscard]] Balance balance(const Linearisation& kept, const State& begin,
-                                const Eigen::VectorXd& f_ext, const Eigen::VectorXd& v,
+  [[nodiscard]] Balance balance(const Linearisation& kept, const Input& input,
+                                const Eigen::VectorXd& attached, const Eigen::VectorXd& v,
                                 const Eigen::VectorXd& d, const Eigen::VectorXd& a,
                                 ProductPart part = {}) const;
   /// Corrects v (free nodes: a guess; prescribed nodes: final) to the balance of forces; fills d,
   /// the reactions and the histories of `result`.
-  void solve(const State& begin, const Eigen::VectorXd& f_ext, const Linearisation& kept,
-             Eigen::VectorXd& v, Eigen::VectorXd& a, Result& result) const;
+  void solve(const Input& input, const Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
+             Result& result) const;
+  /// Adds what the forces of averaging ports and bushings do.
+  SolveReport attach(const Input& input, const Linearisation& kept, Eigen::VectorXd& v,
+                     Eigen::VectorXd& a, Result& result) const;
+  void pull(const State& begin, const MotionSet& end, const MotionSet& torque_pose,
+            const Eigen::VectorXd& x, Result& result) const;
   [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
 
   void step_matrix(const StepMap& map, const BlockValues& K, BlockValues& S) const;
@@ -119,6 +136,7 @@ class TransientStep {
 
   const Model& model_;
   PortArms arms_;
+  LoosePorts loose_;
   NodeRotations node_rotations_;
   std::unique_ptr<const RestFactor> rest_;  ///< null: not used
 };

@@ -22,6 +22,18 @@
 namespace tandem::orchestrator {
 namespace {
 
+const char* name_of(scenario::AttachmentKind kind) {
+  switch (kind) {
+    case scenario::AttachmentKind::Averaging:
+      return "averaging";
+    case scenario::AttachmentKind::Bushing:
+      return "on a bushing";
+    case scenario::AttachmentKind::Rigid:
+      break;
+  }
+  return "rigid";
+}
+
 /// Size and mass as the solver sees them: a wrong length scale or density shows here.
 std::string describe(const fem::Model& model) {
   Eigen::AlignedBox3d box;
@@ -47,8 +59,8 @@ std::string describe(const fem::Model& model) {
   }
   for (const fem::Model::Port& port : model.ports) {
     fmt::format_to(std::back_inserter(text),
-                   "  port '{}': {} nodes, {:.3g} m from its origin (rms)\n", port.name,
-                   port.nodes.size(), port.length_m);
+                   "  port '{}': {} nodes, {}, {:.3g} m from its origin (rms)\n", port.name,
+                   port.nodes.size(), name_of(port.attachment.kind), port.length_m);
   }
   if (!model.fixed.empty()) {
     fmt::format_to(std::back_inserter(text), "  held: {} nodes\n", model.fixed.size());

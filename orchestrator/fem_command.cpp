@@ -55,7 +55,14 @@ ordered_json heading(const scenario::Node& root, const fem::Model& model,
 /// The scenario's flexible body with its port nodes fixed.
 fem::Params held_params(const scenario::Node& root) {
   fem::Params params = fem::read_params(root);
-  for (fem::PortSet& port : params.ports) params.fixed.push_back(std::move(port.set));
+  for (fem::PortSet& port : params.ports) {
+    require(!port.attachment.loose(),
+            port.set.place.text() + ": port '" + port.name +
+                "' is not rigid, and `tandem fem` holds and moves port nodes as rigid sets. Add "
+                "--set ports." +
+                port.name + ".attachment=rigid, or use `tandem run`.");
+    params.fixed.push_back(std::move(port.set));
+  }
   params.ports.clear();
   params.nodal = false;  // alone, the flexible side has its own masses
   return params;

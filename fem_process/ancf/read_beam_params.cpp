@@ -166,6 +166,11 @@ void read_ports_of(const Node& root, BeamParams& params) {
         port.place.text() + ": port '" + port.name +
             "' names a node set, which an ANCF chain does not have. Take node_set away and name "
             "the port in fem.ancf.wheels or fem.ancf.attachments.");
+    require(
+        !port.attachment.loose(),
+        port.place.text() + ": port '" + port.name +
+            "' has averaged or bushed nodes, and ANCF chains have no node sets. Take attachment "
+            "away; fem.ancf.attachments holds an end of a chain.");
     params.ports.push_back(port.name);
   }
 }

@@ -68,7 +68,7 @@ Key ports_keys() {
   port.title = "Port";
   port.doc =
       "A place where the sides meet: the frame P fixed to a rigid body, and the nodes of the "
-      "flexible body that follow it.";
+      "flexible body that are attached to it.";
   port.keys = {
       name("name").must().doc_is("Name of the port in logs, errors and result files."),
       name("body").must().doc_is("Rigid body of the multibody side that carries the port."),
@@ -88,6 +88,7 @@ Key ports_keys() {
           .doc_is("Rotation q_WP of the port frame at t = 0 as a quaternion [w, x, y, z]; used "
                   "with position_m."),
   };
+  for (Key& key : attachment_keys()) port.keys.push_back(std::move(key));
   return sections("ports", std::move(port))
       .must()
       .at_least_count(1)
@@ -104,6 +105,7 @@ std::vector<PortParams> read_ports(const Node& root) {
     port.q_WP = node.quaternion_wxyz("orientation_wxyz");
     port.at_body_frame = !node.has("position_m");
     if (!port.at_body_frame) port.p_WP = node.vector3("position_m");
+    port.attachment = read_attachment(node);
     port.place = node.place();
     ports.push_back(std::move(port));
   }

@@ -5,6 +5,7 @@
 
 #include "protocol/contract/port.h"
 #include "protocol/contract/sim_time.h"
+#include "protocol/scenario/attachment.h"
 #include "protocol/scenario/key_table.h"
 #include "protocol/scenario/node.h"
 
@@ -30,6 +31,7 @@ struct PortParams {
   Eigen::Vector3d p_WP = Eigen::Vector3d::Zero();            ///< Po at t = 0 in W (m)
   Eigen::Quaterniond q_WP = Eigen::Quaterniond::Identity();  ///< P at t = 0 in W
   bool at_body_frame = true;  ///< no position given: P is the body's own frame
+  Attachment attachment{};    ///< of the nodes, on the flexible side
   Place place;                ///< for errors of either side
 };
 [[nodiscard]] Key ports_keys();

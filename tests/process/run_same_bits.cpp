@@ -48,6 +48,13 @@ std::vector<std::string> settings(const Case& c) {
   } else if (kind == "retained") {
     arguments.insert(arguments.end(), {"--scheme", "explicit_parallel", "--set",
                                        "coupling.retained_inertia.factor=1"});
+  } else if (kind == "loose") {
+    arguments.insert(
+        arguments.end(),
+        {"--scheme", "interface_jacobian", "--set", "ports.left.attachment=averaging", "--set",
+         "ports.right.attachment=bushing", "--set",
+         "ports.right.bushing={stiffness_N_per_m: [3e4, 3e4, 3e4], stiffness_Nm_per_rad: [40, 40, "
+         "40], damping_Ns_per_m: [5, 5, 5]}"});
   } else if (kind == "second") {
     arguments.insert(arguments.end(),
                      {"--set", "mbs.integrator=verlet", "--set", "fem.integrator.kind=hht", "--set",
@@ -183,6 +190,11 @@ INSTANTIATE_TEST_SUITE_P(Reduced, SameBits,
 INSTANTIATE_TEST_SUITE_P(Nodal, SameBits,
                          testing::Values(Case{"bar15", "explicit_serial", "cholmod"},
                                          Case{"bar15", "interface_jacobian", "cholmod"}),
+                         name_of);
+
+INSTANTIATE_TEST_SUITE_P(LoosePorts, SameBits,
+                         testing::Values(Case{"two_masses", "loose_ports", "cholmod"},
+                                         Case{"two_masses", "loose_ports", "pcg"}),
                          name_of);
 
 class Repeated : public SameBits {};

@@ -1,74 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <string>
 #include <tuple>
 
-#include "fem_process/make_side.h"
+#include "tests/support/fem_jacobian.h"
 #include "tests/support/fem_support.h"
 
 namespace tandem::fem {
 namespace {
 
 using namespace testing;
-
-Motion moved(Motion m, int coordinate, double amount) {
-  const Eigen::Vector3d change = amount * Eigen::Vector3d::Unit(coordinate % 3);
-  if (coordinate < 3) m.p_WP += change;
-  if (coordinate >= 3 && coordinate < 6) m.q_WP = rotation(change) * m.q_WP;
-  if (coordinate >= 6 && coordinate < 9) m.v_WP += change;
-  if (coordinate >= 9) m.w_WP += change;
-  return m;
-}
-
-/// Largest difference between the reported Jacobian and central differences, each column relative
-/// to its block of three columns' largest entry per row kind (force or torque).
-double jacobian_error(Params params, int micro_steps, double amount) {
-  const SimTime h = params.micro_step;
-  const auto owned = make_body(std::move(params));
-  FemSide& body = *owned;
-  body.initialize(pair_motion(0.0));
-  // A few steps first, so that the bar is deformed and the port nodes carry forces.
-  double t = 0.0;
-  for (int k = 0; k < 3; ++k) {
-    const double next = t + to_seconds(h);
-    EXPECT_EQ(body.advance(request(pair_motion(t), pair_motion(next), h)).outcome, Outcome::Done);
-    t = next;
-  }
-  body.checkpoint();
-  const SimTime H = micro_steps * h;
-  StepRequest<MotionSet> asked =
-      request(pair_motion(t), pair_motion(t + to_seconds(H)), H, /*linearize=*/true);
-  const StepResult<WrenchSet> result = body.advance(asked);
-  EXPECT_EQ(result.outcome, Outcome::Done) << result.message;
-  EXPECT_TRUE(result.jacobian.has_value());
-  InterfaceJacobian differences(12, 24);
-  asked.linearize = false;
-  for (int column = 0; column < 24; ++column) {
-    Eigen::VectorXd ends[2];
-    for (int side = 0; side < 2; ++side) {
-      body.rollback();
-      StepRequest<MotionSet> varied = asked;
-      const auto port = static_cast<std::size_t>(column / 12);
-      varied.input.end[port] =
-          moved(asked.input.end[port], column % 12, side == 0 ? -amount : amount);
-      ends[side] = stack(body.advance(varied).output);
-    }
-    differences.col(column) = (ends[1] - ends[0]) / (2 * amount);
-  }
-  double worst = 0.0;
-  for (int row = 0; row < 12; row += 3) {
-    for (int column = 0; column < 24; column += 3) {
-      const double scale = std::max(differences.block<3, 3>(row, column).cwiseAbs().maxCoeff(),
-                                    1e-6 * differences.cwiseAbs().maxCoeff());
-      const double error =
-          (result.jacobian->block<3, 3>(row, column) - differences.block<3, 3>(row, column))
-              .cwiseAbs()
-              .maxCoeff();
-      worst = std::max(worst, error / scale);
-    }
-  }
-  return worst;
-}
 
 // The wrench is linear in p, v, w, where central differences are exact, and a sine in the angle,
 // where 1e-3 rad leaves 1e-6/6 of the value; round-off is 1e-16 · (force ~ 1e3 N) / 1e-3.

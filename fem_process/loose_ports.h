@@ -1,0 +1,105 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fem_process/integrator.h"
+#include "fem_process/linear_solver.h"
+#include "fem_process/model.h"
+#include "fem_process/node_average.h"
+#include "fem_process/port_arms.h"
+#include "fem_process/port_relation.h"
+#include "protocol/contract/port.h"
+
+namespace tandem::fem {
+
+/// The ports whose nodes do not follow them rigidly: averaging ports and bushings. Their nodes are
+/// free nodes of the body, with the forces N φ on them, Nᵀ the functionals of NodeAverage, twelve
+/// per port: `coordinates` q = Nᵀ x. A step of the body solves
+///   S δv = −residual + θ N δφ,   F(q, q˙, φ; motion) = 0 per port,
+/// by the columns Z = θ S⁻¹ N, which belong to the factorised step matrix, and Y = Nᵀ Z: q˙ moves
+/// with φ by Y, q by c_x Y, so the relations are left in 12 unknowns per port.
+///
+/// The rigid part of an averaging port's nodes enters a step as the nodes of a rigid port do: d and
+/// a by prescribe(), v by the relation, x by follow().
+class LoosePorts {
+ public:
+  LoosePorts(const Model& model, const PortArms& arms);
+
+  struct Port {
+    std::size_t index = 0;  ///< in the scenario's table
+    NodeAverage average;
+    std::optional<Bushing> bushing;  ///< none: averaging
+  };
+  [[nodiscard]] const std::vector<Port>& ports() const { return ports_; }
+  [[nodiscard]] bool empty() const { return ports_.empty(); }
+  /// 12 per port.
+  [[nodiscard]] Eigen::Index size() const { return 12 * static_cast<Eigen::Index>(ports_.size()); }
+
+  /// q = Nᵀ x of a vector over all nodes.
+  [[nodiscard]] Eigen::VectorXd coordinates(const Eigen::VectorXd& x) const;
+  /// f += scale N φ.
+  void add_forces(const Eigen::VectorXd& phi, double scale, Eigen::VectorXd& f) const;
+  /// N on the free nodes.
+  [[nodiscard]] Eigen::MatrixXd columns() const;
+  /// Nᵀ of columns over the free nodes.
+  [[nodiscard]] Eigen::MatrixXd coordinates_of(const Eigen::MatrixXd& columns) const;
+
+  /// Gives the rigid part of an averaging port's nodes the displacements and accelerations of
+  /// prescribed nodes: adds to d and a what the step's maps lack of them.
+  void prescribe(const StepMap& map, const MotionSet& end, Eigen::VectorXd& d,
+                 Eigen::VectorXd& a) const;
+  /// Puts the rigid part of an averaging port's nodes where the port is.
+  void follow(const MotionSet& end, Eigen::VectorXd& x) const;
+  /// Gives the nodes of averaging ports the port's rigid velocity field.
+  void set_velocities(const MotionSet& motions, Eigen::VectorXd& v) const;
+
+  /// Newton's iteration for F = 0 along q(φ), q˙(φ). On entry φ and the q, q˙ that belong to it, on
+  /// return the solution. `near` are coordinates to linearise at first.
+  SolveReport close(const MotionSet& end, double c_x, const Eigen::MatrixXd& Y,
+                    const Eigen::VectorXd& near, Eigen::VectorXd& q, Eigen::VectorXd& q_rate,
+                    Eigen::VectorXd& phi) const;
+
+  /// φ for which the rigid parts of averaging ports' nodes keep their accelerations, those of
+  /// bushings given: `q_acceleration` without φ is changed by Y φ. The frames stand as q says.
+  void close_accelerations(const Eigen::MatrixXd& Y, const Eigen::VectorXd& q,
+                           const Eigen::VectorXd& q_acceleration, Eigen::VectorXd& phi) const;
+
+  /// Forces of the bushings at given motion, those of averaging ports zero.
+  [[nodiscard]] Eigen::VectorXd bushing_forces(const MotionSet& motions, const Eigen::VectorXd& q,
+                                               const Eigen::VectorXd& q_rate) const;
+  /// Strain energy of the bushings (J).
+  [[nodiscard]] double energy_J(const MotionSet& motions, const Eigen::VectorXd& q) const;
+
+  /// Subtracts the resultants of φ about the ports' origins, the arms as in q.
+  void add_wrenches(const MotionSet& pose, const Eigen::VectorXd& q, const Eigen::VectorXd& phi,
+                    WrenchSet& wrenches) const;
+
+  /// Relation of port k of these.
+  [[nodiscard]] PortRelation relation(std::size_t k, const MotionSet& motions,
+                                      const Eigen::VectorXd& q, const Eigen::VectorXd& q_rate,
+                                      const Eigen::VectorXd& phi) const;
+  /// dF/dφ along q(φ), q˙(φ).
+  [[nodiscard]] Eigen::MatrixXd tangent(const std::vector<PortRelation>& relations,
+                                        const MotionSet& motions, double c_x,
+                                        const Eigen::MatrixXd& Y) const;
+
+ private:
+  std::vector<Port> ports_;
+  Eigen::Index free_rows_ = 0;
+  std::vector<std::vector<Eigen::Index>> free_at_;  ///< row of every node of a port in free vectors
+  std::vector<std::string> names_;
+};
+
+/// (p + R c, R inertia): coordinates of a port's nodes that stand as the port has them.
+[[nodiscard]] Vector12 rigid_coordinates(const NodeAverage& average, const Motion& motion);
+/// Their rates with the port.
+[[nodiscard]] Vector12 rigid_rates(const NodeAverage& average, const Motion& motion);
+
+/// Solves G x = b with the rows brought to one size: they have different units.
+[[nodiscard]] Eigen::VectorXd solve_equilibrated(const Eigen::MatrixXd& G,
+                                                 const Eigen::VectorXd& b);
+
+}  // namespace tandem::fem
