@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "protocol/contract/cost.h"
+#include "protocol/contract/energy.h"
 #include "protocol/contract/port.h"
 #include "protocol/contract/segment.h"
 #include "protocol/contract/sim_time.h"
@@ -49,15 +50,6 @@ struct StepResult {
   std::optional<InterfaceJacobian> jacobian;       ///< when asked for and possible
   std::int32_t solver_iterations = 0;              ///< inner iterations (PCG, Newton), 0 for direct
   CallCost cost;                                   ///< where the time of this call went
-};
-
-/// Energies at the present state (J) and the work booked since t = 0. All are of this side alone.
-struct EnergyBook {
-  double kinetic_J = 0.0;
-  double potential_J = 0.0;      ///< gravity (zero at the world origin), springs
-  double elastic_J = 0.0;        ///< strain energy
-  double external_work_J = 0.0;  ///< by loads, force laws, motors and other joint reactions
-  [[nodiscard]] double total_J() const { return kinetic_J + potential_J + elastic_J; }
 };
 
 struct Observation {

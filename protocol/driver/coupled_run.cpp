@@ -15,13 +15,6 @@
 namespace tandem {
 namespace {
 
-EnergyBook sum(const EnergyBook& a, const EnergyBook& b) {
-  return {.kinetic_J = a.kinetic_J + b.kinetic_J,
-          .potential_J = a.potential_J + b.potential_J,
-          .elastic_J = a.elastic_J + b.elastic_J,
-          .external_work_J = a.external_work_J + b.external_work_J};
-}
-
 /// The ledger of one macro step from what both sides' meters booked and the wall time of its parts.
 Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s) {
   Ledger ledger;
@@ -219,7 +212,7 @@ class CoupledRun {
   void observe(EnergyBook& energy) {
     const Observation mbs = mbs_.observe();
     const Observation fem = fem_.observe();
-    energy = sum(mbs.energy, fem.energy);
+    energy = mbs.energy + fem.energy;
     StateHash hash;
     hash.add(mbs.state_hash);
     hash.add(fem.state_hash);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,8 @@ struct StepRecord {
   double residual_N = 0.0;
   double energy_defect_J = 0.0;
   Outcome outcome = Outcome::Done;
-  Ledger ledger;  ///< of this step
+  Ledger ledger;                       ///< of this step
+  std::optional<SideEnergies> energy;  ///< at its end, where it was observed
 };
 
 /// Everything that happened in one macro step: what travels to the orchestrator and into the log.

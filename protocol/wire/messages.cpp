@@ -101,6 +101,9 @@ void encode(const Reply& reply, Bytes& message) {
   fixed.potential_J = reply.observation.energy.potential_J;
   fixed.elastic_J = reply.observation.energy.elastic_J;
   fixed.external_work_J = reply.observation.energy.external_work_J;
+  fixed.interface_work_J = reply.observation.energy.interface_work_J;
+  fixed.damping_loss_J = reply.observation.energy.damping_loss_J;
+  fixed.numerical_loss_J = reply.observation.energy.numerical_loss_J;
   fixed.state_hash = static_cast<std::int64_t>(reply.observation.state_hash);
   codec::begin(fixed,
                {{reply.motions.size(), kMotionBytes},
@@ -151,8 +154,13 @@ bool decode(ByteView message, Reply& reply) {
   if (fixed->error_kind >= 0) reply.error = static_cast<ErrorKind>(fixed->error_kind);
   reply.solver_iterations = fixed->solver_iterations;
   reply.observation.time = SimTime(fixed->time_ns);
-  reply.observation.energy = {fixed->kinetic_J, fixed->potential_J, fixed->elastic_J,
-                              fixed->external_work_J};
+  reply.observation.energy = {.kinetic_J = fixed->kinetic_J,
+                              .potential_J = fixed->potential_J,
+                              .elastic_J = fixed->elastic_J,
+                              .external_work_J = fixed->external_work_J,
+                              .interface_work_J = fixed->interface_work_J,
+                              .damping_loss_J = fixed->damping_loss_J,
+                              .numerical_loss_J = fixed->numerical_loss_J};
   reply.observation.state_hash = static_cast<std::uint64_t>(fixed->state_hash);
   std::span<double> jacobian;
   if (reply.jacobian) {

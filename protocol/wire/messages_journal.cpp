@@ -89,6 +89,32 @@ std::optional<CallRecord> decode_call(ByteView message) {
   return call;
 }
 
+namespace {
+
+std::vector<double> pack(const SideEnergies& energy) {
+  std::vector<double> values;
+  for (const EnergyBook* side : {&energy.mbs, &energy.fem}) {
+    values.insert(values.end(),
+                  {side->kinetic_J, side->potential_J, side->elastic_J, side->external_work_J,
+                   side->interface_work_J, side->damping_loss_J, side->numerical_loss_J});
+  }
+  return values;
+}
+
+constexpr std::size_t kBookEntries = 7;
+
+EnergyBook unpack_book(std::span<const double, kBookEntries> v) {
+  return {.kinetic_J = v[0],
+          .potential_J = v[1],
+          .elastic_J = v[2],
+          .external_work_J = v[3],
+          .interface_work_J = v[4],
+          .damping_loss_J = v[5],
+          .numerical_loss_J = v[6]};
+}
+
+}  // namespace
+
 Bytes encode(const Header& header, const StepRecord& step) {
   tandem_wire::step_t packed;
   packed.header = pack(header);
@@ -118,12 +144,15 @@ Bytes encode(const Header& header, const StepRecord& step) {
   packed.resent = ledger.resent;
   packed.duplicates = ledger.duplicates;
   packed.lost = ledger.lost;
+  if (step.energy) packed.energy_J = pack(*step.energy);
+  packed.n_energy = count(packed.energy_J);
   return to_bytes(packed);
 }
 
 std::optional<StepRecord> decode_step(ByteView message) {
-  const auto packed = from_bytes(message, tandem_wire::step_t{}, {});
-  if (!packed || packed->outcome < 0 || packed->outcome > static_cast<int>(Outcome::Failed)) {
+  const auto packed = from_bytes(message, tandem_wire::step_t{}, {8});
+  if (!packed || (packed->n_energy != 0 && packed->n_energy != 2 * kBookEntries) ||
+      packed->outcome < 0 || packed->outcome > static_cast<int>(Outcome::Failed)) {
     return std::nullopt;
   }
   StepRecord step;
@@ -151,6 +180,11 @@ std::optional<StepRecord> decode_step(ByteView message) {
                  .resent = packed->resent,
                  .duplicates = packed->duplicates,
                  .lost = packed->lost};
+  if (packed->n_energy > 0) {
+    const std::span<const double> values(packed->energy_J);
+    step.energy = {.mbs = unpack_book(values.first<kBookEntries>()),
+                   .fem = unpack_book(values.last<kBookEntries>())};
+  }
   return step;
 }
 

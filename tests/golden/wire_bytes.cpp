@@ -40,7 +40,7 @@ Bytes advance_request() {
 }
 
 TEST(WireBytes, RequestIsBigEndianInTheOrderOfItsFields) {
-  ASSERT_EQ(kProtocolVersion, 2);
+  ASSERT_EQ(kProtocolVersion, 3);
   const Bytes bytes = advance_request();
   ASSERT_EQ(bytes.size(), 8U + 52U + 5U * 4U + 4U + 3U + 8U + 48U);
   EXPECT_EQ(hex(bytes, 0, 8), "df504e2d8986e8ab");   // lcm-gen's hash of request_t and its members
@@ -67,10 +67,10 @@ TEST(WireBytes, RequestIsBigEndianInTheOrderOfItsFields) {
 }
 
 // The fingerprint of every message type; a changed field, name or unit changes it.
-TEST(WireBytes, SchemasAreThoseOfProtocolVersion2) {
-  ASSERT_EQ(kProtocolVersion, 2);
+TEST(WireBytes, SchemasAreThoseOfProtocolVersion3) {
+  ASSERT_EQ(kProtocolVersion, 3);
   const auto fingerprint = [](const Bytes& bytes) { return hex(bytes, 0, 8); };
-  EXPECT_EQ(fingerprint(encode(Reply{})), "89ea66440f789a91");
+  EXPECT_EQ(fingerprint(encode(Reply{})), "c380430e99941d82");
   EXPECT_EQ(fingerprint(encode(Handshake{})), "37a03d486e5ee44e");
   EXPECT_EQ(fingerprint(encode(Alive{})), "f0d489aa6829b5d5");
   EXPECT_EQ(fingerprint(encode(Abort{})), "dd62f9166681e6a3");
@@ -81,7 +81,7 @@ TEST(WireBytes, SchemasAreThoseOfProtocolVersion2) {
   EXPECT_EQ(fingerprint(encode(Control{})), "ce97476618f21b03");
   EXPECT_EQ(fingerprint(encode(Controlled{})), "f3704e734223d909");
   EXPECT_EQ(fingerprint(encode(Header{}, CallRecord{})), "629f994f410b2322");
-  EXPECT_EQ(fingerprint(encode(Header{}, StepRecord{})), "a0cb6c465152bbd2");
+  EXPECT_EQ(fingerprint(encode(Header{}, StepRecord{})), "e4ae41581e8d7e46");
   EXPECT_EQ(fingerprint(encode(Header{}, StepJournal{})), "10f0ceed0cf2971d");
   EXPECT_EQ(fingerprint(encode(Header{}, Finished{})), "0a57f30fdac9cf4f");
   EXPECT_EQ(fingerprint(encode(Header{}, ScenarioText{})), "868aa6e1b5982bba");

@@ -113,6 +113,16 @@ TEST(WireMessages, RequestCrossesBitForBit) {
   EXPECT_TRUE(same_bits(back->wrenches.end, request.wrenches.end));
 }
 
+EnergyBook some_book() {
+  return {.kinetic_J = 1.0,
+          .potential_J = -0.0,
+          .elastic_J = 3.0,
+          .external_work_J = 4.0,
+          .interface_work_J = -5.0,
+          .damping_loss_J = 6.0,
+          .numerical_loss_J = 0.7};
+}
+
 Reply some_reply() {
   Reply reply;
   reply.header = some_header(Kind::Reply);
@@ -124,7 +134,7 @@ Reply some_reply() {
   reply.solver_iterations = 12;
   reply.jacobian = Eigen::MatrixXd::Random(18, 36);
   (*reply.jacobian)(3, 4) = std::bit_cast<double>(kOddBits[1]);
-  reply.observation = {SimTime(9), {1.0, -0.0, 3.0, 4.0}, 0x8000000000000001ULL};
+  reply.observation = {SimTime(9), some_book(), 0x8000000000000001ULL};
   reply.motions = odd_motions();
   reply.wrenches = odd_wrenches();
   return reply;
@@ -150,6 +160,7 @@ TEST(WireMessages, ReplyCrossesBitForBit) {
   ASSERT_EQ(back->jacobian->cols(), 36);
   EXPECT_TRUE(same_bits(back->jacobian->data(), reply.jacobian->data(), 18 * 36));
   EXPECT_EQ(back->observation.time, SimTime(9));
+  EXPECT_EQ(back->observation.energy, some_book());
   EXPECT_TRUE(same_bits(back->observation.energy.potential_J, -0.0));
   EXPECT_EQ(back->observation.state_hash, 0x8000000000000001ULL);
   EXPECT_TRUE(same_bits(back->motions, reply.motions));
@@ -224,6 +235,16 @@ StepJournal some_journal() {
   mbs.motions.end = odd_motions();
   journal.calls = {mbs, fem};
   return journal;
+}
+
+TEST(WireMessages, JournalKeepsEnergiesWhereTheyWereObserved) {
+  StepJournal journal = some_journal();
+  journal.step.energy = SideEnergies{.mbs = some_book(), .fem = some_book() + some_book()};
+  const auto journals = decode_journal(encode(some_header(Kind::Journal), journal));
+  ASSERT_TRUE(journals.has_value());
+  EXPECT_EQ(journals->front().step.energy, journal.step.energy);
+  const Bytes without = encode(some_header(Kind::Journal), some_journal());
+  EXPECT_FALSE(decode_journal(without).value().front().step.energy.has_value());
 }
 
 TEST(WireMessages, JournalKeepsEveryFieldOfCallsAndStep) {
