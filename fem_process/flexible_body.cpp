@@ -5,6 +5,7 @@
 
 #include "fem_process/macro_step_wrench.h"
 #include "fem_process/quasi_static.h"
+#include "fem_process/step_energy.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -164,16 +165,13 @@ Observation FlexibleBody::observe() {
   Observation seen;
   seen.time = state_.time;
   seen.state_hash = state_.hash();
-  if (model_.integrator->inertia()) {
-    seen.energy.kinetic_J =
-        0.5 * state_.v.dot(multiply_scalar(model_.pattern(), model_.mass, state_.v));
-  }
+  seen.energy = state_.book;
+  seen.energy.kinetic_J = kinetic_energy_J(model_, state_.v);
   seen.energy.elastic_J = model_.formulation->energy(state_.x) + state_.bushing_J;
   for (int i = 0; i < model_.mesh.nodes(); ++i) {
     seen.energy.potential_J -= model_.nodal_mass[static_cast<std::size_t>(i)] *
                                model_.params.gravity_m_per_s2.dot(state_.x.segment<3>(3 * i));
   }
-  seen.energy.external_work_J = state_.external_work_J;
   return seen;
 }
 

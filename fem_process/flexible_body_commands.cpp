@@ -2,6 +2,7 @@
 
 #include "fem_process/flexible_body.h"
 #include "fem_process/quasi_static.h"
+#include "fem_process/step_energy.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -35,13 +36,25 @@ CommandResult FlexibleBody::command(const std::string& text) {
     const Boundary after = changed(state_.boundary, text, model_.mesh);
     const bool divides = after.fixed != state_.boundary.fixed;
     if (divides) hold(after.fixed);
+    if (state_.support.size() > 0) {
+      // The forces that the state is in balance with stay those of before.
+      Eigen::VectorXd forces = Eigen::VectorXd::Zero(state_.x.size());
+      add_forces(after, model_.mesh, forces);
+      state_.support -= forces;
+      forces.setZero();
+      add_forces(state_.boundary, model_.mesh, forces);
+      state_.support += forces;
+    }
     state_.boundary = after;
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::Usage) throw;
     result.message = error.what();
     return result;
   }
+  const double kinetic_J = kinetic_energy_J(model_, state_.v);
   const SolveReport report = step_->restart(state_);
+  // The ground takes the motion of a set that is fixed.
+  state_.book.damping_loss_J += kinetic_J - kinetic_energy_J(model_, state_.v);
   if (report.outcome != Outcome::Done) {
     throw Error(ErrorKind::NotSolved, "fem: at t = " + std::to_string(to_seconds(state_.time)) +
                                           " s: accelerations after '" + text +

@@ -101,14 +101,15 @@ WrenchSet NodalBody::wrenches(State& state) const {
   Eigen::VectorXd f_int;
   BlockValues K;
   state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
-  const Eigen::VectorXd f =
-      model_.loads(to_seconds(state.time)) - f_int -
-      multiply(model_.pattern(), K, damping.beta_s * state.v) -
+  state.damping_force =
+      multiply(model_.pattern(), K, damping.beta_s * state.v) +
       damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, state.v);
+  const Eigen::VectorXd f = model_.loads(to_seconds(state.time)) - f_int - state.damping_force;
   WrenchSet wrenches(model_.free.size());
   for (std::size_t p = 0; p < wrenches.size(); ++p) {
     wrenches[p].f_P_W = f.segment<3>(3 * model_.free[p]);
   }
+  state.port_wrenches = wrenches;
   return wrenches;
 }
 
@@ -171,12 +172,25 @@ StepResult<WrenchSet> NodalBody::advance(const StepRequest<MotionSet>& request) 
   result.outcome = Outcome::Done;
   result.message.clear();
   if (request.linearize && info_.can_linearize) result.jacobian = jacobian(end);
-  const Eigen::VectorXd loads =
-      model_.loads(to_seconds(state_.time)) + model_.loads(to_seconds(end.time));
-  end.external_work_J += 0.5 * loads.dot(end.x - state_.x);
+  book(state_, end);
   state_ = std::move(end);
   result.cost.compute_s = now_s() - begin_s;
   return result;
+}
+
+/// Works are trapezoids over the displacement. Without masses and equations nothing is lost.
+void NodalBody::book(const State& begin, State& end) const {
+  const Eigen::VectorXd moved = end.x - begin.x;
+  const Eigen::VectorXd loads =
+      model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(end.time));
+  double interface_J = 0.0;
+  for (std::size_t p = 0; p < model_.free.size(); ++p) {
+    const Eigen::Vector3d f = begin.port_wrenches[p].f_P_W + end.port_wrenches[p].f_P_W;
+    interface_J -= 0.5 * f.dot(moved.segment<3>(3 * model_.free[p]));
+  }
+  end.book.external_work_J += 0.5 * loads.dot(moved);
+  end.book.interface_work_J += interface_J;
+  end.book.damping_loss_J += 0.5 * moved.dot(begin.damping_force + end.damping_force);
 }
 
 void NodalBody::checkpoint() {
@@ -188,8 +202,8 @@ Observation NodalBody::observe() {
   Observation seen;
   seen.time = state_.time;
   seen.state_hash = state_.hash();
+  seen.energy = state_.book;
   seen.energy.elastic_J = model_.formulation->energy(state_.x);
-  seen.energy.external_work_J = state_.external_work_J;
   return seen;
 }
 

@@ -48,11 +48,12 @@ class NodalBody final : public FlexibleSide {
  private:
   void take(const MotionSet& motions, State& state) const;
   [[nodiscard]] WrenchSet wrenches(State& state) const;
+  void book(const State& begin, State& end) const;
   [[nodiscard]] InterfaceJacobian jacobian(const State& state) const;
 
   Model model_;
   SubsystemInfo info_;
-  State state_;  ///< positions, velocities, time and work alone
+  State state_;
   State saved_;
   std::function<void(const State&)> observer_;
 };

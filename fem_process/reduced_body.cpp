@@ -109,7 +109,7 @@ State ReducedBody::nodal_state() const {
   nodal.time = state_.time;
   nodal.x = reduced_->expand(Eigen::Map<const FieldMotion>(state_.fields.x.data(), 3, fields));
   nodal.v = reduced_->expand(Eigen::Map<const FieldMotion>(state_.fields.v.data(), 3, fields));
-  nodal.external_work_J = state_.external_work_J;
+  nodal.book = state_.book;
   return nodal;
 }
 
@@ -120,6 +120,7 @@ Observation ReducedBody::observe() {
   Observation seen;
   seen.time = state_.time;
   seen.state_hash = state_.hash();
+  seen.energy = state_.book;
   if (model_.integrator->inertia()) {
     seen.energy.kinetic_J = 0.5 * (V * reduced_->T()).cwiseProduct(V).sum();
   }
@@ -127,7 +128,6 @@ Observation ReducedBody::observe() {
   seen.energy.elastic_J = 0.5 * (zeta.dot(reduced_->K_boundary() * zeta) +
                                  reduced_->omega2().dot(state_.modal.x.cwiseAbs2()));
   seen.energy.potential_J = -reduced_->gravity().cwiseProduct(Y).sum();
-  seen.energy.external_work_J = state_.external_work_J;
   return seen;
 }
 

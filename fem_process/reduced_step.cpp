@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "fem_process/reduced_energy.h"
+
 namespace tandem::fem {
 namespace {
 
@@ -43,7 +45,10 @@ std::uint64_t ReducedState::hash() const {
     for (double value : motion.p_WP) hash.add(value);
     for (double value : motion.q_WP.coeffs()) hash.add(value);
   }
-  hash.add(external_work_J);
+  for (double work :
+       {book.external_work_J, book.interface_work_J, book.damping_loss_J, book.numerical_loss_J}) {
+    hash.add(work);
+  }
   return hash.value();
 }
 
@@ -177,6 +182,7 @@ void ReducedStep::start(const MotionSet& ports, ReducedState& state, WrenchSet& 
   Eigen::VectorXd Q = generalised_forces(reduced_, Y, at.R_WF, inertia + force);
   Q.tail(at.z.size()) += reduced_.K_boundary() * (at.z + damping.beta_s * at.z_dot);
   wrenches = wrenches_of(at.jacobian.transpose() * Q, ports.size());
+  state.wrenches = wrenches;
   state.fields.x = flat(Y);
   state.fields.v = flat(V);
   if (integrator.keeps_history()) {
@@ -262,9 +268,7 @@ ReducedStep::Result ReducedStep::advance(const ReducedState& begin, const Motion
   const FieldMotion external = reduced_.external_forces(t_s);
   solve(begin, external, result);
   react(result);
-  const FieldMotion loads = reduced_.loads(to_seconds(begin.time)) + reduced_.loads(t_s);
-  result.state.external_work_J =
-      begin.external_work_J + 0.5 * loads.cwiseProduct(result.Y - result.Y_begin).sum();
+  book_step(reduced_, begin, result);
   return result;
 }
 

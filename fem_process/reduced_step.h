@@ -19,7 +19,8 @@ struct ReducedState {
   State fields;         ///< the same of the fields' motion, in W
   FieldMotion inertia;  ///< M times the acceleration at this time (N); empty without history
   Eigen::VectorXd z;    ///< [ζ; η]
-  double external_work_J = 0.0;
+  WrenchSet wrenches;   ///< at this time
+  EnergyBook book;      ///< works and losses since t = 0; its energies stay 0
   [[nodiscard]] std::uint64_t hash() const;
 };
 

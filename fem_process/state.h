@@ -5,7 +5,9 @@
 
 #include "fem_process/block_matrix.h"
 #include "fem_process/boundary.h"
+#include "protocol/contract/energy.h"
 #include "protocol/contract/hash.h"
+#include "protocol/contract/port.h"
 #include "protocol/contract/sim_time.h"
 
 namespace tandem::fem {
@@ -28,7 +30,16 @@ struct State {
   Eigen::VectorXd attached;  ///< forces φ of averaging ports and bushings, see LoosePorts
   double bushing_J = 0.0;    ///< strain energy of the bushings
   Boundary boundary;         ///< what is held, and forces by command
-  double external_work_J = 0.0;
+  EnergyBook book;           ///< works and losses since t = 0; its energies stay 0
+  /// What the next step of backward Euler corrects of the last one's book: see book_step.
+  Eigen::VectorXd moved;         ///< Δx (m)
+  double elastic_guess_J = 0.0;  ///< ΔU as booked − ½ Δx·f_int(x)
+  /// What the next step's trapezoids of work need of this one; empty with backward Euler.
+  Eigen::VectorXd support;        ///< forces of the ports on nodes (N); empty with HHT
+  Eigen::VectorXd damping_force;  ///< C v (N); empty without damping
+  double bushing_loss_W = 0.0;
+  MotionSet port_motions;
+  WrenchSet port_wrenches;
   int inverted_elements = 0;  ///< at the last linearisation
   /// Number of this state: equal numbers mean equal states, so that what was computed from a state
   /// is found again after a rollback. Not part of the hash.
@@ -51,7 +62,10 @@ struct State {
     for (const Boundary::Force& commanded : boundary.forces) {
       hash.add(std::span<const double>(commanded.total_N.data(), 3));
     }
-    hash.add(external_work_J);
+    for (double work : {book.external_work_J, book.interface_work_J, book.damping_loss_J,
+                        book.numerical_loss_J}) {
+      hash.add(work);
+    }
     return hash.value();
   }
 };

@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "fem_process/node_vectors.h"
+#include "fem_process/step_energy.h"
 #include "fem_process/step_matrix.h"
 #include "fem_process/transient_step.h"
 
@@ -39,6 +40,10 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   const SolveReport report = accelerate(state, a, react);
   wrenches = port_wrenches(model_, arms_, motions, react);
   loose_.add_wrenches(motions, q, state.attached, wrenches);
+  state.port_motions = motions;
+  state.port_wrenches = wrenches;
+  state.bushing_J = loose_.energy_J(motions, q);
+  state.bushing_loss_W = bushing_loss_W(loose_, motions, q, loose_.coordinates(state.v));
   if (!model_.integrator->keeps_history()) return report;
   state.a_mean = state.a = a;
   if (!model_.integrator->averages_forces()) state.acceleration = std::move(a);
@@ -78,6 +83,9 @@ SolveReport TransientStep::accelerate(State& state, Eigen::VectorXd& a,
     state.force = force;
     state.react = react;
   }
+  Eigen::VectorXd on_nodes = react;
+  loose_.add_forces(state.attached, 1.0, on_nodes);
+  book_start(model_, K, on_nodes, state);
   return report;
 }
 
@@ -118,10 +126,13 @@ SolveReport TransientStep::settle(const MotionSet& motions, State& state,
   before.generation = 1;  // any but 0: nothing is kept yet
   before.v.setZero();
   if (remembers()) before.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
+  before.support = Eigen::VectorXd::Zero(state.x.size());
+  before.port_motions = motions;
+  before.port_wrenches.resize(motions.size());
   Linearisation kept;
   Result result = advance(before, motions, motions, h, kept);
   if (result.report.outcome == Outcome::Failed) return result.report;
-  result.state.external_work_J = 0.0;
+  result.state.book = {};
   state.x = result.state.x;
   for (int node : model_.free) state.v.segment<3>(3 * node).setZero();
   result.state.v = std::move(state.v);

@@ -7,6 +7,7 @@
 
 #include "fem_process/node_vectors.h"
 #include "fem_process/round_off.h"
+#include "fem_process/step_energy.h"
 #include "fem_process/step_matrix.h"
 #include "fem_process/velocity_projection.h"
 #include "protocol/contract/cost.h"
@@ -356,9 +357,6 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   }
   loose_.follow(end, x);
   pull(begin, end, torque_pose, x, result);
-  const Eigen::VectorXd loads =
-      model_.loads(to_seconds(begin.time)) + model_.loads(to_seconds(time)) + 2.0 * commanded;
-  result.state.external_work_J = begin.external_work_J + 0.5 * loads.dot(x - begin.x);
   if (remembers()) {
     result.state.past = begin.past;
     result.state.past_next = begin.past_next;
@@ -369,6 +367,18 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   result.state.inverted_elements = kept.last().inverted_elements;
   result.state.x = std::move(x);
   result.state.v = std::move(v);
+  Eigen::VectorXd on_nodes = result.react;
+  loose_.add_forces(result.state.attached, 1.0, on_nodes);
+  book_step(model_, begin,
+            {.kept = kept.last(),
+             .loose = loose_,
+             .f_begin = kept.f_int,
+             .d = d,
+             .react = on_nodes,
+             .commanded = commanded,
+             .motions = end,
+             .wrenches = result.wrenches},
+            result.state);
   return result;
 }
 

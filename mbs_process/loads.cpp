@@ -71,12 +71,12 @@ Loads::Loads(const Params& params) {
 }
 
 void Loads::add_to(const State& state, double t_end_s, std::vector<BodyWrench>& applied,
-                   std::vector<BodyWrench>& booked) const {
-  for (const Spring& spring : springs_) add_spring(spring, state, applied, booked);
-  for (const JointSpring& spring : joint_springs_) add_joint_spring(spring, state, applied, booked);
+                   SortedWrenches& sorted) const {
+  for (const Spring& spring : springs_) add_spring(spring, state, applied, sorted);
+  for (const JointSpring& spring : joint_springs_) add_joint_spring(spring, state, applied, sorted);
   for (const Force& force : forces_) {
     const Eigen::Vector3d value = force.law(t_end_s) * force.direction_W;
-    for (std::vector<BodyWrench>* to : {&applied, &booked}) {
+    for (std::vector<BodyWrench>* to : {&applied, &sorted.driven}) {
       if (force.torque) {
         (*to)[force.body].t_B_W += value;
       } else {
@@ -87,7 +87,7 @@ void Loads::add_to(const State& state, double t_end_s, std::vector<BodyWrench>& 
 }
 
 void Loads::add_spring(const Spring& spring, const State& state, std::vector<BodyWrench>& applied,
-                       std::vector<BodyWrench>& booked) const {
+                       SortedWrenches& sorted) const {
   const AnchorMotion m1 = motion_of(spring.end1, state);
   const AnchorMotion m2 = motion_of(spring.end2, state);
   const Eigen::Vector3d d = m2.p_WA - m1.p_WA;
@@ -98,12 +98,12 @@ void Loads::add_spring(const Spring& spring, const State& state, std::vector<Bod
   const Eigen::Vector3d elastic = spring.stiffness_N_per_m * (length - spring.rest_length_m) * u;
   const Eigen::Vector3d viscous = spring.damping_N_s_per_m * rate * u;
   add_pair(spring.end1, m1, spring.end2, m2, elastic + viscous, applied);
-  add_pair(spring.end1, m1, spring.end2, m2, viscous, booked);
+  add_pair(spring.end1, m1, spring.end2, m2, elastic, sorted.elastic);
+  add_pair(spring.end1, m1, spring.end2, m2, viscous, sorted.viscous);
 }
 
 void Loads::add_joint_spring(const JointSpring& spring, const State& state,
-                             std::vector<BodyWrench>& applied,
-                             std::vector<BodyWrench>& booked) const {
+                             std::vector<BodyWrench>& applied, SortedWrenches& sorted) const {
   const BodyState& body1 = state.bodies[spring.body1];
   const BodyState other = spring.body2 ? state.bodies[*spring.body2] : BodyState{};
   const Eigen::Vector3d axis = body1.q_WB * spring.axis_B1;
@@ -125,7 +125,8 @@ void Loads::add_joint_spring(const JointSpring& spring, const State& state,
     }
   };
   add_effort(elastic + viscous, applied);
-  add_effort(viscous, booked);
+  add_effort(elastic, sorted.elastic);
+  add_effort(viscous, sorted.viscous);
 }
 
 double Loads::spring_energy_J(const State& state) const {

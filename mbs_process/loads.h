@@ -6,6 +6,7 @@
 
 #include "mbs_process/params.h"
 #include "mbs_process/state.h"
+#include "mbs_process/step_work.h"
 
 namespace tandem::mbs {
 
@@ -22,10 +23,10 @@ class Loads {
   /// `params` must have passed check().
   explicit Loads(const Params& params);
 
-  /// Adds everything to `applied`, and what external_work_J books (dampers, force laws) to
-  /// `booked`; both have one entry per body. `t_end_s` is the time at the end of the micro step.
+  /// Adds everything to `applied`, and apart to `sorted`; both have one entry per body. `t_end_s`
+  /// is the time at the end of the micro step.
   void add_to(const State& state, double t_end_s, std::vector<BodyWrench>& applied,
-              std::vector<BodyWrench>& booked) const;
+              SortedWrenches& sorted) const;
 
   /// Energy of all springs (J).
   [[nodiscard]] double spring_energy_J(const State& state) const;
@@ -50,9 +51,9 @@ class Loads {
   };
 
   void add_spring(const Spring& spring, const State& state, std::vector<BodyWrench>& applied,
-                  std::vector<BodyWrench>& booked) const;
+                  SortedWrenches& sorted) const;
   void add_joint_spring(const JointSpring& spring, const State& state,
-                        std::vector<BodyWrench>& applied, std::vector<BodyWrench>& booked) const;
+                        std::vector<BodyWrench>& applied, SortedWrenches& sorted) const;
 
   std::vector<Spring> springs_;
   std::vector<JointSpring> joint_springs_;

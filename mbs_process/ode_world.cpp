@@ -290,10 +290,12 @@ void OdeWorld::read(std::vector<BodyState>& bodies) const {
   }
 }
 
-void OdeWorld::add_reactions(std::vector<BodyWrench>& on_bodies) const {
+void OdeWorld::add_reactions(std::vector<BodyWrench>& motors,
+                             std::vector<BodyWrench>& joints) const {
   for (std::size_t j = 0; j < impl_->joints.size(); ++j) {
     const dJointFeedback& feedback = impl_->feedbacks[j];
     const auto [body1, body2] = impl_->joint_bodies[j];
+    std::vector<BodyWrench>& on_bodies = impl_->motor_axes[j] != 0 ? motors : joints;
     BodyWrench& first = on_bodies[static_cast<std::size_t>(body1)];
     first.f_B_W += vector_of(feedback.f1);
     first.t_B_W += vector_of(feedback.t1);

@@ -46,8 +46,9 @@ class OdeWorld {
   /// forces the velocities gain what h/2 gives and the poses move by h.
   void step(double h_s, const std::vector<BodyWrench>& applied, double share, double erp);
   void read(std::vector<BodyState>& bodies) const;
-  /// Adds what the joints (motors and limits included) exerted on each body in the last step.
-  void add_reactions(std::vector<BodyWrench>& on_bodies) const;
+  /// Adds what the joints (limits included) exerted on each body in the last step: those with a
+  /// motor to `motors`, all others to `joints`.
+  void add_reactions(std::vector<BodyWrench>& motors, std::vector<BodyWrench>& joints) const;
   /// Present coordinates of a joint as ODE measures them: angles in [−π, π].
   [[nodiscard]] std::array<double, 2> coordinates(std::size_t joint) const;
 

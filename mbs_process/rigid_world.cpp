@@ -31,18 +31,6 @@ bool all_finite(const BodyState& body) {
          body.w_WB.allFinite();
 }
 
-/// Work of constant wrenches over h while the velocities go from `before` to `after` (J).
-double work_J(const std::vector<BodyWrench>& wrenches, const std::vector<BodyState>& before,
-              const std::vector<BodyState>& after, double h_s) {
-  double work = 0.0;
-  for (std::size_t i = 0; i < wrenches.size(); ++i) {
-    work += 0.5 * h_s *
-            (wrenches[i].f_B_W.dot(before[i].v_WB + after[i].v_WB) +
-             wrenches[i].t_B_W.dot(before[i].w_WB + after[i].w_WB));
-  }
-  return work;
-}
-
 std::string at_time(SimTime t) { return " at t = " + std::to_string(to_seconds(t)) + " s"; }
 
 }  // namespace
@@ -87,7 +75,7 @@ StepResult<MotionSet> RigidWorld::advance(const StepRequest<WrenchSet>& request)
   StepResult<MotionSet> result;
   const State begin = state_;
   State end = state_;
-  std::optional<std::string> failure = integrate(end, request.step, request.input);
+  std::optional<std::string> failure = integrate(end, request.step, request.input, Booking::On);
   if (!failure && request.linearize) {
     std::string probe_failure;
     result.jacobian = probe(begin, end, request, probe_failure);
@@ -117,13 +105,13 @@ void RigidWorld::rollback() { state_ = saved_; }
 Observation RigidWorld::observe() {
   Observation observation;
   observation.time = state_.time;
+  observation.energy = state_.book;
   observation.energy.kinetic_J = kinetic_energy_J(state_);
   observation.energy.potential_J = loads_.spring_energy_J(state_);
   for (std::size_t i = 0; i < state_.bodies.size(); ++i) {
     observation.energy.potential_J -=
         params_.bodies[i].mass_kg * params_.gravity_m_per_s2.dot(state_.bodies[i].p_WB);
   }
-  observation.energy.external_work_J = state_.external_work_J;
   observation.state_hash = hash_of(state_);
   return observation;
 }
@@ -153,7 +141,7 @@ MotionSet RigidWorld::motions_of(const State& state) const {
 }
 
 std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_step,
-                                                 const Segment<WrenchSet>& input) {
+                                                 const Segment<WrenchSet>& input, Booking booking) {
   const SimTime h = micro_step_of(macro_step);
   const std::int64_t n = macro_step / h;
   for (const WrenchSet* wrenches : {&input.begin, &input.end}) {
@@ -169,20 +157,24 @@ std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_ste
   for (std::int64_t j = 1; j <= n; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
     WrenchSet next = constant ? input.end : interpolate(input, s, macro_step);
-    if (auto failure = integrate_micro_step(state, h, {wrenches, next})) return failure;
+    if (auto failure = integrate_micro_step(state, h, {wrenches, next}, booking)) return failure;
     wrenches = std::move(next);
   }
   return std::nullopt;
 }
 
 std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTime h,
-                                                            const Segment<WrenchSet>& wrenches) {
+                                                            const Segment<WrenchSet>& wrenches,
+                                                            Booking booking) {
   const double h_s = to_seconds(h);
+  StepWork work;
+  StepWork* const booked = booking == Booking::On ? &work : nullptr;
+  if (booked != nullptr) work.stored_change_J = -loads_.spring_energy_J(state);
   try {
     if (params_.integrator == IntegratorKind::Verlet) {
-      verlet_step(state, h_s, wrenches);
+      verlet_step(state, h_s, wrenches, booked);
     } else {
-      euler_step(state, h_s, wrenches.end);
+      euler_step(state, h_s, wrenches.end, booked);
     }
   } catch (const OdeFault& fault) {
     return "mbs: " + std::string(fault.what()) + at_time(state.time) +
@@ -194,37 +186,54 @@ std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTim
     return "mbs: the motion of body '" + params_.bodies[i].name + "' is not finite" +
            at_time(state.time + h) + ". Shorten the step or check the loads on it.";
   }
+  if (booked != nullptr) {
+    work.stored_change_J += loads_.spring_energy_J(state);
+    work.book(state.book);
+  }
   state.time += h;
   return std::nullopt;
 }
 
-void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches) {
+void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches, StepWork* work) {
   std::vector<BodyWrench> applied(state.bodies.size());
-  std::vector<BodyWrench> booked(state.bodies.size());
-  loads_.add_to(state, to_seconds(state.time) + h_s, applied, booked);
+  sorted_.reset(state.bodies.size());
+  loads_.add_to(state, to_seconds(state.time) + h_s, applied, sorted_);
   add_port_wrenches(state, wrenches, applied);
   const std::vector<BodyState> before = state.bodies;
   world_.load(state.bodies);
   command_motors(state, h_s);
   world_.step(h_s, applied);
   world_.read(state.bodies);
-  // Work over the step: exact for the linear momentum equation, as Δ(½ m v²) = Σ f h · (v + v⁺)/2.
-  world_.add_reactions(booked);
-  state.external_work_J += work_J(booked, before, state.bodies, h_s);
   track_coordinates(state);
+  if (work == nullptr) return;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    sorted_.gyroscopic[i].t_B_W = implicit_gyroscopic_torque(params_.bodies[i], before[i], h_s);
+  }
+  world_.add_reactions(sorted_.motors, sorted_.joints);
+  work->add(sorted_, state.bodies, h_s, 1.0);
+  work->motors_J = work_J(sorted_.motors, state.bodies, h_s);
+  work->kinetic_loss_J = velocity_change_J(params_, before, state.bodies);
+  work->interface_J = h_s * interface_power_W(wrenches, motions_of(state));
 }
 
-void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches) {
+void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches,
+                             StepWork* work) {
   const double t_s = to_seconds(state.time);
   const double share = 2.0 * params_.newmark_beta;
   const Eigen::VectorXd sum = stack(wrenches.begin) + stack(wrenches.end);
   const Eigen::VectorXd first =
       stack(wrenches.begin) + share * (stack(wrenches.end) - stack(wrenches.begin));
   const std::vector<BodyState> begin = state.bodies;
+  const MotionSet motions = work == nullptr ? MotionSet{} : motions_of(state);
   half_kick(state, t_s, h_s, unstack_wrenches(first), begin, params_.erp);
   track_coordinates(state);
-  // Forces at the end need its velocities before they are known: 2 u − v is right to O(h²).
   const std::vector<BodyState> middle = state.bodies;
+  if (work != nullptr) {
+    work->add(sorted_, middle, h_s, 0.5);
+    work->motors_J = work_J(sorted_.motors, begin, h_s);
+    work->kinetic_loss_J = velocity_change_J(params_, begin, middle);
+  }
+  // Forces at the end need its velocities before they are known: 2 u − v is right to O(h²).
   for (std::size_t i = 0; i < begin.size(); ++i) {
     state.bodies[i].v_WB = 2.0 * middle[i].v_WB - begin[i].v_WB;
     state.bodies[i].w_WB = 2.0 * middle[i].w_WB - begin[i].w_WB;
@@ -235,31 +244,37 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
     state.bodies[i].p_WB = middle[i].p_WB;
     state.bodies[i].q_WB = middle[i].q_WB;
   }
+  if (work == nullptr) return;
+  work->add(sorted_, middle, h_s, 0.5);
+  work->motors_J += work_J(sorted_.motors, state.bodies, h_s);
+  work->kinetic_loss_J -= velocity_change_J(params_, middle, state.bodies);
+  const Eigen::VectorXd moved = difference(motions, motions_of(state));
+  for (Eigen::Index i = 0; 6 * i < sum.size(); ++i) {
+    work->interface_J += 0.5 * sum.segment<6>(6 * i).dot(moved.segment<6>(12 * i));
+  }
 }
 
 void RigidWorld::half_kick(State& state, double t_s, double h_s, const WrenchSet& wrenches,
                            const std::vector<BodyState>& bodies, double erp) {
   std::vector<BodyWrench> applied(bodies.size());
-  std::vector<BodyWrench> booked(bodies.size());
-  std::vector<BodyWrench> reactions(bodies.size());
-  loads_.add_to(state, t_s, applied, booked);
+  sorted_.reset(bodies.size());
+  loads_.add_to(state, t_s, applied, sorted_);
   add_port_wrenches(state, wrenches, applied);
   add_gyroscopic_torques(state, applied);
   world_.load(bodies);
   command_motors(state, h_s, erp == 0.0);
   world_.step(h_s, applied, 0.5, erp);
   world_.read(state.bodies);
-  world_.add_reactions(reactions);
-  state.external_work_J += work_J(booked, bodies, state.bodies, 0.5 * h_s) +
-                           work_J(reactions, bodies, state.bodies, h_s);
+  world_.add_reactions(sorted_.motors, sorted_.joints);
 }
 
-void RigidWorld::add_gyroscopic_torques(const State& state,
-                                        std::vector<BodyWrench>& applied) const {
+void RigidWorld::add_gyroscopic_torques(const State& state, std::vector<BodyWrench>& applied) {
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     const Eigen::Quaterniond& q_WB = state.bodies[i].q_WB;
     const Eigen::Vector3d w_B = q_WB.conjugate() * state.bodies[i].w_WB;
-    applied[i].t_B_W -= q_WB * w_B.cross(params_.bodies[i].inertia_B() * w_B);
+    const Eigen::Vector3d torque = -(q_WB * w_B.cross(params_.bodies[i].inertia_B() * w_B));
+    applied[i].t_B_W += torque;
+    sorted_.gyroscopic[i].t_B_W = torque;
   }
 }
 
@@ -284,11 +299,12 @@ void RigidWorld::command_motors(const State& state, double h_s, bool at_end) {
 }
 
 void RigidWorld::add_port_wrenches(const State& state, const WrenchSet& wrenches,
-                                   std::vector<BodyWrench>& applied) const {
+                                   std::vector<BodyWrench>& applied) {
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    BodyWrench& on_body = applied[ports_[i].body];
-    on_body.add_at(state.bodies[ports_[i].body].q_WB * ports_[i].p_BP, wrenches[i].f_P_W);
-    on_body.t_B_W += wrenches[i].t_P_W;
+    for (BodyWrench* on_body : {&applied[ports_[i].body], &sorted_.ports[ports_[i].body]}) {
+      on_body->add_at(state.bodies[ports_[i].body].q_WB * ports_[i].p_BP, wrenches[i].f_P_W);
+      on_body->t_B_W += wrenches[i].t_P_W;
+    }
   }
 }
 
@@ -335,7 +351,7 @@ std::optional<InterfaceJacobian> RigidWorld::probe(const State& begin, const Sta
       component += is_force ? sizes.force_N : sizes.torque_Nm;
       const double delta = component - unperturbed;
       State state = begin;
-      if (auto failed = integrate(state, request.step, probed.input)) {
+      if (auto failed = integrate(state, request.step, probed.input, Booking::Off)) {
         failure = "mbs: probing port '" + info_.ports[i].name + "' failed: " + *failed;
         return std::nullopt;
       }

@@ -9,6 +9,7 @@
 #include "mbs_process/ode_world.h"
 #include "mbs_process/params.h"
 #include "mbs_process/state.h"
+#include "mbs_process/step_work.h"
 #include "protocol/contract/subsystem.h"
 
 namespace tandem::mbs {
@@ -67,22 +68,26 @@ class RigidWorld final : public MbsSide {
 
   [[nodiscard]] SimTime micro_step_of(SimTime macro_step) const;
   [[nodiscard]] MotionSet motions_of(const State& state) const;
+  /// Whether a step's works are booked: trials whose state is thrown away need not.
+  enum class Booking { On, Off };
   /// Advances `state` by H. Returns what went wrong, or none; `state` is then of no use.
   std::optional<std::string> integrate(State& state, SimTime macro_step,
-                                       const Segment<WrenchSet>& input);
+                                       const Segment<WrenchSet>& input, Booking booking);
   std::optional<std::string> integrate_micro_step(State& state, SimTime h,
-                                                  const Segment<WrenchSet>& wrenches);
+                                                  const Segment<WrenchSet>& wrenches,
+                                                  Booking booking);
   /// The poses, velocities and works at the end of a micro step; throws OdeFault.
-  void euler_step(State& state, double h_s, const WrenchSet& wrenches);
-  void verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches);
-  /// One dWorldStep of a Verlet step from `bodies` with the forces of `state` at t_s.
+  void euler_step(State& state, double h_s, const WrenchSet& wrenches, StepWork* work);
+  void verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches, StepWork* work);
+  /// One dWorldStep of a Verlet step from `bodies` with the forces of `state` at t_s; what acted is
+  /// left in sorted_.
   void half_kick(State& state, double t_s, double h_s, const WrenchSet& wrenches,
                  const std::vector<BodyState>& bodies, double erp);
-  void add_gyroscopic_torques(const State& state, std::vector<BodyWrench>& applied) const;
+  void add_gyroscopic_torques(const State& state, std::vector<BodyWrench>& applied);
   /// Rates that the motors aim at over the step, or at its end.
   void command_motors(const State& state, double h_s, bool at_end = false);
   void add_port_wrenches(const State& state, const WrenchSet& wrenches,
-                         std::vector<BodyWrench>& applied) const;
+                         std::vector<BodyWrench>& applied);
   void track_coordinates(State& state) const;
   [[nodiscard]] double kinetic_energy_J(const State& state) const;
   std::optional<InterfaceJacobian> probe(const State& begin, const State& end,
@@ -94,6 +99,7 @@ class RigidWorld final : public MbsSide {
   std::vector<Port> ports_;
   Loads loads_;
   OdeWorld world_;
+  SortedWrenches sorted_;  ///< of the present dWorldStep
   State state_;
   State saved_;
   AcceptedStateSink sink_;

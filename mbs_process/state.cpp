@@ -14,7 +14,10 @@ std::uint64_t hash_of(const State& state) {
     for (double x : body.w_WB) hash.add(x);
   }
   for (const auto& coordinates : state.joint_coordinates) hash.add(coordinates);
-  hash.add(state.external_work_J);
+  for (double work : {state.book.external_work_J, state.book.interface_work_J,
+                      state.book.damping_loss_J, state.book.numerical_loss_J}) {
+    hash.add(work);
+  }
   return hash.value();
 }
 

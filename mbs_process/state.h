@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "protocol/contract/energy.h"
 #include "protocol/contract/sim_time.h"
 
 namespace tandem::mbs {
@@ -37,7 +38,7 @@ struct State {
   /// Coordinates of every joint since t = 0 (rad, slider: m), counted through full turns; 0 where
   /// the joint has none.
   std::vector<std::array<double, 2>> joint_coordinates;
-  double external_work_J = 0.0;  ///< by force laws, dampers, motors and other joint reactions
+  EnergyBook book;  ///< works and losses since t = 0; its energies stay 0
 };
 
 /// Fingerprint over every bit of the state.

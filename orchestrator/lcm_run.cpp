@@ -167,6 +167,7 @@ class LcmRun {
     ControlInbox inbox(bus_);
     CoupledRunParams params = scheme_run(model_.run, model_.coupling);
     params.commands = &inbox;
+    params.energy_every_steps = scenario::read_output(model_.scenario.root).energy_every_steps;
     RunReport report =
         run_coupled(params, {mbs, Locality::Elsewhere}, {fem, Locality::Elsewhere}, sink);
     report.ledger.book_lost(bus_.counts().damaged);

@@ -13,6 +13,7 @@ RunReport run_here(const Model& model, const RunDirectory& directory, Mode mode,
   if (mode == Mode::Monolithic) plain.coupling.scheme = SchemeKind::InterfaceNewton;
   const auto fem = make_fem(plain, directory.path());
   CoupledRunParams params = scheme_run(model.run, model.coupling);
+  params.energy_every_steps = scenario::read_output(model.scenario.root).energy_every_steps;
   if (mode == Mode::Monolithic) {
     params.scheme_name = "monolithic";
     params.make_scheme = [](std::vector<PortInfo> ports) {

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "orchestrator/commands.h"
@@ -13,6 +14,16 @@
 
 namespace tandem::orchestrator {
 namespace {
+
+/// The balance of both sides together, all terms booked.
+std::string balance_line(const nlohmann::ordered_json& energy) {
+  const auto value = [&](const char* key) { return energy.at(key).get<double>(); };
+  return fmt::format(
+      "energy: {:.6g} J {:+.4g} external {:+.4g} interface {:+.4g} damping {:+.4g} numerical = "
+      "{:.6g} J, balance error {:.2g} J",
+      value("total_start"), value("external_work"), value("interface_work"), -value("damping"),
+      -value("numerical"), value("total_end"), value("balance_error"));
+}
 
 struct RunCommand {
   ScenarioOptions scenario;
@@ -64,6 +75,7 @@ struct RunCommand {
                       s.at("simulated_s").get<double>(), s.at("state_hash").get<std::string>())
               .c_str());
     }
+    if (s.contains("energy_J")) std::printf("%s\n", balance_line(s.at("energy_J")).c_str());
     const auto not_converged = s.value("not_converged_steps", std::int64_t{0});
     if (not_converged > 0) {
       std::printf(

@@ -10,6 +10,7 @@ namespace tandem::orchestrator {
 ///   scenario.yaml  resolved, complete, rerunnable     exchange.lcm  every exchange, LCM event log
 ///   steps.csv      one row per macro step             ports.csv     accepted motions and wrenches
 ///   bodies.csv     every rigid body                   fem/*.vtu     for ParaView
+///   energy.csv     both sides' energy books, when output.energy_every_steps is set
 ///   mbs.log, fem.log   what the processes said        summary.json  the numbers of the run
 ///   bus.json       where a run over LCM is heard: run id, port, ttl
 class RunDirectory {

@@ -40,7 +40,7 @@ std::string step_row(const wire::StepRecord& step) {
 
 StepTables::StepTables(const std::filesystem::path& directory,
                        const std::vector<std::string>& ports)
-    : steps_(directory / "steps.csv"), ports_(directory / "ports.csv") {
+    : steps_(directory / "steps.csv"), ports_(directory / "ports.csv"), energy_(directory) {
   steps_.write(kStepsHeader);
   ports_.write(interface_header(ports));
 }
@@ -49,11 +49,13 @@ void StepTables::write(const wire::StepJournal& journal) {
   if (journal.step.macro_step > 0) steps_.write(step_row(journal.step));
   const AcceptedInterface interface = accepted_interface(journal);
   if (!interface.motions.empty()) ports_.write(interface_row(interface));
+  energy_.write(journal.step);
 }
 
 void StepTables::flush() {
   steps_.flush();
   ports_.flush();
+  energy_.flush();
 }
 
 AcceptedInterface accepted_interface(const wire::StepJournal& journal) {

@@ -4,13 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "orchestrator/energy_table.h"
 #include "orchestrator/text_file.h"
 #include "protocol/wire/journal.h"
 
 namespace tandem::orchestrator {
 
-/// steps.csv (one row per macro step: outcome and ledger) and ports.csv (accepted motions and
-/// wrenches), units in the headers, numbers in the shortest form that reads back to the same bits.
+/// steps.csv (one row per macro step: outcome and ledger), ports.csv (accepted motions and
+/// wrenches) and energy.csv where energies were observed; units in the headers, numbers in the
+/// shortest form that reads back to the same bits.
 class StepTables {
  public:
   StepTables(const std::filesystem::path& directory, const std::vector<std::string>& ports);
@@ -22,6 +24,7 @@ class StepTables {
  private:
   TextFile steps_;
   TextFile ports_;
+  EnergyTable energy_;
 };
 
 /// The accepted motions and wrenches at the end of a macro step; empty when the step was not

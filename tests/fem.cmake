@@ -5,6 +5,7 @@ tandem_test(fem_unit
     unit/fem_tet10_mesh.cpp unit/fem_vtu.cpp
   LIBS fem LABELS unit)
 tandem_test(fem_ports SOURCES unit/fem_port_jacobian.cpp unit/fem_port_refusals.cpp unit/fem_port_relations.cpp unit/fem_ports.cpp LIBS fem LABELS unit)
+tandem_test(fem_energy SOURCES unit/fem_energy.cpp LIBS fem LABELS unit)
 tandem_test(fem_speed SOURCES unit/fem_speed.cpp LIBS fem LABELS unit)
 tandem_test(fem_reduced SOURCES unit/fem_floating_frame.cpp unit/fem_reduction.cpp LIBS fem LABELS unit)
 tandem_test(fem_contract SOURCES contract/fem_contract.cpp contract/fem_reduced_contract.cpp LIBS fem LABELS contract)

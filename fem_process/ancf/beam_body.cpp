@@ -95,6 +95,8 @@ void BeamBody::settle(const MotionSet& motions) {
   damped.friction = false;
   const BeamStep step(system_, contact_, damped, attachments_.empty() ? nullptr : &attachments_);
   BeamState& state = now_.state;
+  state.motions = held;
+  state.wheels.resize(held.size());
   while (state.time < params_.settle.duration) {
     BeamStep::Result next = step.advance(state, {held, held}, params_.settle.step);
     if (next.outcome != Outcome::Done) {
@@ -108,7 +110,7 @@ void BeamBody::settle(const MotionSet& motions) {
   state.time = {};
   state.v.setZero();
   state.matrix.reset();
-  state.external_work_J = 0.0;
+  state.book = {};
 }
 
 void BeamBody::set_velocities() {
@@ -232,10 +234,10 @@ Observation BeamBody::observe() {
     for (int count : *counts) hash.add(static_cast<std::int64_t>(count));
   }
   seen.state_hash = hash.value();
-  seen.energy = {.kinetic_J = system_.kinetic_J(state.v),
-                 .potential_J = system_.potential_J(state.q),
-                 .elastic_J = system_.elastic_J(state.q),
-                 .external_work_J = state.external_work_J};
+  seen.energy = state.book;
+  seen.energy.kinetic_J = system_.kinetic_J(state.v);
+  seen.energy.potential_J = system_.potential_J(state.q);
+  seen.energy.elastic_J = system_.elastic_J(state.q) + now_.sums.stored_J;
   return seen;
 }
 

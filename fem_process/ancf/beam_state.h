@@ -6,7 +6,9 @@
 
 #include "fem_process/ancf/contact_model.h"
 #include "fem_process/ancf/klu_solver.h"
+#include "protocol/contract/energy.h"
 #include "protocol/contract/hash.h"
+#include "protocol/contract/port.h"
 #include "protocol/contract/sim_time.h"
 
 namespace tandem::fem::ancf {
@@ -29,7 +31,12 @@ struct BeamState {
   Eigen::VectorXd a;  ///< true accelerations
   Eigen::VectorXd A;  ///< algorithmic accelerations of the generalised-α method
   std::shared_ptr<const StepMatrix> matrix;
-  double external_work_J = 0.0;  ///< of the loads
+  EnergyBook book;  ///< works and losses since t = 0; its energies stay 0
+  /// What the next step's trapezoids of work need of this one.
+  MotionSet motions;
+  WrenchSet wheels;
+  Eigen::VectorXd viscous;      ///< internal forces but the elastic ones; empty without viscosity
+  double contact_loss_W = 0.0;  ///< taken by contact damping and friction
 
   [[nodiscard]] std::uint64_t hash() const {
     StateHash hash;
@@ -37,7 +44,10 @@ struct BeamState {
     for (const Eigen::VectorXd* x : {&q, &v, &a, &A}) {
       hash.add(std::span<const double>(x->data(), static_cast<std::size_t>(x->size())));
     }
-    hash.add(external_work_J);
+    for (double work : {book.external_work_J, book.interface_work_J, book.damping_loss_J,
+                        book.numerical_loss_J}) {
+      hash.add(work);
+    }
     if (matrix) hash.add(matrix->fingerprint);
     return hash.value();
   }

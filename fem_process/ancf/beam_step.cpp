@@ -79,18 +79,7 @@ bool BeamStep::balance(const MotionSet& motions, BeamState& state, ContactSums& 
   factor->solve(r);
   state.a = r;
   state.A = r;
-  return attachments_ == nullptr || add_loads(motions, state, elements, sums);
-}
-
-bool BeamStep::add_loads(const MotionSet& motions, const BeamState& state, ElementArrays& elements,
-                         ContactSums& sums) const {
-  Eigen::VectorXd balance;
-  if (!imbalance(state, motions, to_seconds(state.time), params_.mass_damping_per_s, std::nullopt,
-                 elements, sums, balance)) {
-    return false;
-  }
-  attachments_->add_wrenches(motions, balance, sums.wheels);
-  return true;
+  return note_forces(motions, state, sums);
 }
 
 bool BeamStep::factorize(const Alpha& alpha, const ElementArrays& elements, Result& result) const {
@@ -199,11 +188,13 @@ void BeamStep::cut(const BeamState& begin, const Segment<MotionSet>& input, doub
   const Try end = newton(coefficients, motions, t_s, result);
   if (end.end == End::Converged) {
     state.time = begin.time + SimTime(std::llround(length_s * 1e9));
-    if (!system_.model().loads.empty()) {
-      const Eigen::VectorXd load =
-          0.5 * (system_.load_forces(to_seconds(begin.time)) + system_.load_forces(t_s));
-      state.external_work_J += load.dot(state.q - begin.q);
+    // The wrenches belong to the state as it is after the last correction.
+    if (!note_forces(motions, state, result.sums)) {
+      result.outcome = Outcome::Failed;
+      result.message = "an element is turned inside out (det F ≤ 0). Shorten run.macro_step_s.";
+      return;
     }
+    book(begin, length_s, state);
     return;
   }
   if (depth == params_.halvings) {
@@ -233,16 +224,6 @@ BeamStep::Result BeamStep::advance(const BeamState& begin, const Segment<MotionS
   cut(begin, input, 0.0, 1.0, h, 0, result);
   if (result.outcome != Outcome::Done) return result;
   result.state.time = begin.time + h;
-  // The wrenches belong to the state as it is after the last correction.
-  static thread_local ElementArrays elements;
-  elements.force.assign(system_.mesh().elements.size() * kCoordinates, 0.0);
-  if (attachments_ == nullptr) {
-    contact_.add(result.state.q, result.state.v, input.end, params_.friction, std::nullopt,
-                 elements, result.sums);
-  } else if (!add_loads(input.end, result.state, elements, result.sums)) {
-    result.outcome = Outcome::Failed;
-    result.message = "an element is turned inside out (det F ≤ 0). Shorten run.macro_step_s.";
-  }
   return result;
 }
 

@@ -104,9 +104,14 @@ class BeamStep {
   bool residual(const BeamState& state, const MotionSet& motions, double t_s, double damping,
                 std::optional<double> theta, ElementArrays& elements, ContactSums& sums,
                 Eigen::VectorXd& r) const;
-  /// The contact sums at a state with the loads of attached ends; false: inside out.
-  bool add_loads(const MotionSet& motions, const BeamState& state, ElementArrays& elements,
-                 ContactSums& sums) const;
+  /// Contact and loads of attached ends at the state as it is: the wrenches, and what the next
+  /// step's works need. False: inside out.
+  bool note_forces(const MotionSet& motions, BeamState& state, ContactSums& sums) const;
+  /// Books the step of length h that led from `begin` to `end`, by trapezoids over Δq:
+  ///   external = ½ (f + f⁺)·Δq,  interface = −½ Σ (λ + λ⁺)·Δ(pose),
+  ///   damping = α_M Δq·M v̄ + ½ Δq·(f_v + f_v⁺) + ½ h (P + P⁺),  P of contact damping and friction,
+  ///   numerical = Δq·M ā − v̄·M Δv.
+  void book(const BeamState& begin, double h_s, BeamState& end) const;
   void cut(const BeamState& begin, const Segment<MotionSet>& input, double s0, double s1, SimTime h,
            int depth, Result& result) const;
 

@@ -34,6 +34,7 @@ void add_friction(const ContactParams& params, const ContactPoint& point,
   const bool sticks = params.friction_slope_N_s_per_m3 * speed <= limit;
   const double slope = sticks ? params.friction_slope_N_s_per_m3 : limit / speed;
   out.force -= slope * v_t;
+  out.loss += slope * speed * speed;
   if (slopes == nullptr) return;
   const Eigen::Matrix3d tangential = Eigen::Matrix3d::Identity() - n * n.transpose();
   out.by_slip = -slope * tangential;
@@ -73,6 +74,8 @@ bool traction(const ContactParams& params, const ContactPoint& point, bool deriv
   out.pressure = p;
   out.depth = point.depth;
   out.force = p * n;
+  out.stored = 0.5 * params.stiffness_N_per_m3 * point.depth * point.depth;
+  out.loss = c.value * leaving * leaving;
   PressureSlopes slopes;
   if (derivatives) {
     slopes.by_velocity = -c.value * n.transpose();
@@ -145,6 +148,8 @@ bool tooth_force(const Teeth& teeth, double base_radius_m, const Motion& wheel,
   if (push <= 0.0) return false;
   const Eigen::Matrix3d direction = along * along.transpose();
   out.force = -side * engaged * push * along;
+  out.stored_J = 0.5 * engaged * teeth.stiffness_N_per_m * depth * depth;
+  out.loss_W = engaged * c.value * rate * rate;
   out.by_position = -engaged * (teeth.stiffness_N_per_m + c.by_depth * rate) * direction;
   out.by_velocity = -engaged * c.value * direction;
   return true;

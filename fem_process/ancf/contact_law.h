@@ -26,6 +26,8 @@ struct Traction {
   Eigen::Matrix3d by_slip = Eigen::Matrix3d::Zero();      ///< ∂/∂w, w the slip (Pa s/m)
   double pressure = 0.0;                                  ///< p (Pa)
   double depth = 0.0;                                     ///< d (m)
+  double stored = 0.0;                                    ///< ½ k d² (J/m²)
+  double loss = 0.0;                                      ///< (p − k d) d' − t·v_t (W/m²)
 };
 
 /// Penalty pressure and trilinear Coulomb friction on a surface with the outward normal n:
@@ -75,6 +77,8 @@ struct ToothForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();        ///< on the pin (N)
   Eigen::Matrix3d by_position = Eigen::Matrix3d::Zero();  ///< N/m
   Eigen::Matrix3d by_velocity = Eigen::Matrix3d::Zero();  ///< N s/m
+  double stored_J = 0.0;                                  ///< ½ k d² g
+  double loss_W = 0.0;                                    ///< (F − k d g) d'
 };
 /// Angle of a pin from its nearest seat (rad), about the y axis of the wheel's frame.
 [[nodiscard]] double seat_angle(const Teeth& teeth, const Motion& wheel, const Eigen::Vector3d& r);

@@ -135,6 +135,8 @@ void ContactModel::add_teeth(int element, const Element& vectors, const MotionSe
     const Eigen::Vector3d r = vectors.e.col(0);
     if (!tooth_force(*wheel.teeth, wheel.radius_m, motion, r, vectors.rate.col(0), push)) continue;
     ++sums.seated_pins;
+    sums.stored_J += push.stored_J;
+    sums.loss_W += push.loss_W;
     Wrench& wrench = sums.wheels[static_cast<std::size_t>(wheel.port)];
     wrench.f_P_W -= push.force;
     wrench.t_P_W -= (r - motion.p_WP).cross(push.force);
@@ -161,6 +163,8 @@ void ContactModel::add(const Eigen::VectorXd& q, const Eigen::VectorXd& v, const
         [&](int wheel, int, const Patch& patch, const Eigen::Vector3d& r, const Traction& touch) {
           const Eigen::Vector3d f = patch.area_m2 * touch.force;
           force.noalias() -= f * patch.shape.transpose();
+          sums.stored_J += patch.area_m2 * touch.stored;
+          sums.loss_W += patch.area_m2 * touch.loss;
           if (wheel >= 0) {
             const auto port =
                 static_cast<std::size_t>(wheels_[static_cast<std::size_t>(wheel)].port);

@@ -40,6 +40,8 @@ struct ContactGrid {
 struct ContactSums {
   WrenchSet wheels;                                  ///< on the wheels, about the ports' origins
   Eigen::Vector3d ground = Eigen::Vector3d::Zero();  ///< on the grounds (N)
+  double stored_J = 0.0;                             ///< ½ k d² of all points in contact
+  double loss_W = 0.0;                               ///< taken by damping and friction
   double depth_m = 0.0;                              ///< largest, of the wheels
   double ground_depth_m = 0.0;
   int seated_pins = 0;  ///< pins that press on a tooth

@@ -80,7 +80,9 @@ class CoupledRun {
     state_.motions = mbs_.initialize(WrenchSet(ports_.size()));
     state_.wrenches = fem_.initialize(state_.motions);
     observe(report_.energy_start);
-    sink_.record({.step = {}, .calls = journal_.take()});
+    wire::StepRecord step;
+    if (params_.energy_every_steps > 0) step.energy = report_.energy_start;
+    sink_.record({.step = step, .calls = journal_.take()});
   }
 
   void make_step(std::int64_t n) {
@@ -144,6 +146,8 @@ class CoupledRun {
     for (double defect : energy_defects_J(H, end)) defect_J += defect;
     report_.interface_defect_max_J = std::max(report_.interface_defect_max_J, std::abs(defect_J));
     report_.interface_defect_sum_J += defect_J;
+    report_.exchanged_work_J +=
+        to_seconds(H) * std::abs(interface_power_W(end.wrenches, end.motions));
     return defect_J;
   }
 
@@ -187,6 +191,7 @@ class CoupledRun {
     journal.step.ledger.wait_s = last_wait_s_;
     const double record_start_s = now_s();
     journal.step.ledger.other_s = (record_start_s - start_s) - step.ledger.named_s();
+    if (observes_at(step.macro_step)) observe(journal.step.energy.emplace());
     const double wait_s = sink_.record(std::move(journal));
     const double end_s = now_s();
     last_wait_s_ = wait_s;
@@ -209,10 +214,15 @@ class CoupledRun {
     state_.wrenches = end.wrenches;
   }
 
-  void observe(EnergyBook& energy) {
+  [[nodiscard]] bool observes_at(std::int64_t macro_step) const {
+    return params_.energy_every_steps > 0 && macro_step % params_.energy_every_steps == 0 &&
+           report_.status == RunStatus::Done;
+  }
+
+  void observe(SideEnergies& energy) {
     const Observation mbs = mbs_.observe();
     const Observation fem = fem_.observe();
-    energy = mbs.energy + fem.energy;
+    energy = {.mbs = mbs.energy, .fem = fem.energy};
     StateHash hash;
     hash.add(mbs.state_hash);
     hash.add(fem.state_hash);

@@ -37,7 +37,8 @@ struct CoupledRunParams {
   CouplingParams coupling;
   std::string scheme_name;
   SchemeMaker make_scheme;
-  CommandSource* commands = nullptr;  ///< commands to the flexible side; null: none come
+  CommandSource* commands = nullptr;    ///< commands to the flexible side; null: none come
+  std::int64_t energy_every_steps = 0;  ///< both sides' energies go with every n-th step; 0: none
 };
 
 /// The run with the scheme that `coupling` names.

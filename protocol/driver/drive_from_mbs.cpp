@@ -43,6 +43,7 @@ int drive_from_mbs(SideContext& context, MbsSide& mbs) {
   ControlInbox inbox(context.bus);
   CoupledRunParams params = scheme_run(context.run, coupling);
   params.commands = &inbox;
+  params.energy_every_steps = scenario::read_output(context.scenario.root).energy_every_steps;
   RunReport report = run_coupled(params, {mbs, Locality::Here}, {fem, Locality::Elsewhere}, sink);
   report.ledger.book_lost(context.bus.counts().damaged);
   context.heartbeat.set_phase("ending");

@@ -51,14 +51,36 @@ ordered_json ledger_json(const Ledger& l) {
           {"discarded", l.discarded_s}};
 }
 
+/// What was booked from `a` to `b`, and the energies at `b`.
+ordered_json book_json(const EnergyBook& a, const EnergyBook& b) {
+  return {{"kinetic", b.kinetic_J},
+          {"potential", b.potential_J},
+          {"elastic", b.elastic_J},
+          {"total_start", a.total_J()},
+          {"total_end", b.total_J()},
+          {"external_work", b.external_work_J - a.external_work_J},
+          {"interface_work", b.interface_work_J - a.interface_work_J},
+          {"damping", b.damping_loss_J - a.damping_loss_J},
+          {"numerical", b.numerical_loss_J - a.numerical_loss_J},
+          {"balance_error", balance_error_J(a, b)}};
+}
+
 ordered_json energy_json(const RunReport& r) {
-  const double external_J = r.energy_end.external_work_J - r.energy_start.external_work_J;
+  const EnergyBook a = r.energy_start.sum();
+  const EnergyBook b = r.energy_end.sum();
   return {{"interface_defect_max", r.interface_defect_max_J},
           {"interface_defect_sum", r.interface_defect_sum_J},
-          {"total_start", r.energy_start.total_J()},
-          {"total_end", r.energy_end.total_J()},
-          {"external_work", external_J},
-          {"dissipated", r.energy_start.total_J() + external_J - r.energy_end.total_J()}};
+          {"exchanged_work", r.exchanged_work_J},
+          {"total_start", a.total_J()},
+          {"total_end", b.total_J()},
+          {"external_work", b.external_work_J - a.external_work_J},
+          {"interface_work", b.interface_work_J - a.interface_work_J},
+          {"dissipated", b.dissipated_J() - a.dissipated_J()},
+          {"damping", b.damping_loss_J - a.damping_loss_J},
+          {"numerical", b.numerical_loss_J - a.numerical_loss_J},
+          {"balance_error", balance_error_J(a, b)},
+          {"mbs", book_json(r.energy_start.mbs, r.energy_end.mbs)},
+          {"fem", book_json(r.energy_start.fem, r.energy_end.fem)}};
 }
 
 }  // namespace

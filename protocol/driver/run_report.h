@@ -35,8 +35,9 @@ struct RunReport {
       exchange_us;  ///< per macro step: transfer time / exchanges (sorted at the end)
   double interface_defect_max_J = 0.0;  ///< largest |δE| of a macro step
   double interface_defect_sum_J = 0.0;  ///< Σ δE: net energy created by the interface
-  EnergyBook energy_start;              ///< both sides together
-  EnergyBook energy_end;
+  double exchanged_work_J = 0.0;        ///< Σ H |λ·V|: what passed the interface, either way
+  SideEnergies energy_start;
+  SideEnergies energy_end;
   std::uint64_t state_hash = 0;
   std::vector<std::string> port_names;
   MotionSet motions;   ///< at the end
@@ -48,7 +49,8 @@ struct RunReport {
 [[nodiscard]] std::string to_string(RunStatus status);
 
 /// The keys of summary.json that the driver knows (units in the names). Dissipated energy is what
-/// the balance leaves: start + external work − end; it holds physical and numerical damping.
+/// both sides booked, damping + numerical; balance_error is what the balance of all booked terms
+/// lacks: see balance_error_J.
 [[nodiscard]] nlohmann::ordered_json to_json(const RunReport& report);
 
 }  // namespace tandem

@@ -125,6 +125,11 @@ Key output_keys() {
           .at_least(0)
           .by_default("1")
           .doc_is("Rows of bodies.csv every n-th macro step, 0 = no file."),
+      integer("energy_every_steps")
+          .at_least(0)
+          .by_default("0")
+          .doc_is("Rows of energy.csv, both sides' energy books, every n-th macro step, 0 = no "
+                  "file."),
   };
   return section("output", std::move(output)).by_default("{}").doc_is("Files the sides write.");
 }
@@ -132,7 +137,8 @@ Key output_keys() {
 OutputParams read_output(const Node& root) {
   const Node output = root.section("output");
   return {.vtu_every_steps = output.integer("vtu_every_steps"),
-          .bodies_every_steps = output.integer("bodies_every_steps")};
+          .bodies_every_steps = output.integer("bodies_every_steps"),
+          .energy_every_steps = output.integer("energy_every_steps")};
 }
 
 }  // namespace tandem::scenario

@@ -41,6 +41,7 @@ struct PortParams {
 struct OutputParams {
   std::int64_t vtu_every_steps = 0;     ///< 0 = no .vtu files
   std::int64_t bodies_every_steps = 1;  ///< rows of bodies.csv, 0 = no file
+  std::int64_t energy_every_steps = 0;  ///< rows of energy.csv, 0 = no file
 };
 [[nodiscard]] Key output_keys();
 [[nodiscard]] OutputParams read_output(const Node& root);

@@ -64,7 +64,7 @@ std::string cell(const CouplingParams& coupling, double fem_kg, double stiffness
   if (report.status == RunStatus::NotConverged) return "not conv.";
   // Too slow a growth for the monitor to have stopped it within the run is no stability either.
   const double energy_J = 0.5 * (1.0 + fem_kg) + 0.5 * stiffness * 1e-4;
-  if (coupling.scheme != SchemeKind::Tlm && report.energy_end.kinetic_J > 2.0 * energy_J) {
+  if (coupling.scheme != SchemeKind::Tlm && report.energy_end.sum().kinetic_J > 2.0 * energy_J) {
     return "grows";
   }
   return fmt::format("{:.2f}", static_cast<double>(report.iterations_total) /

@@ -55,6 +55,7 @@ ports:
     body: "b"
     node_set: "12"
     orientation_wxyz: [1, 0, 0, 0]
+    attachment: "rigid"
 fem:
   mesh: ")" + mesh + R"("
   load_N:
@@ -66,6 +67,7 @@ fem:
 output:
   vtu_every_steps: 0
   bodies_every_steps: 1
+  energy_every_steps: 0
 )");
 }
 
