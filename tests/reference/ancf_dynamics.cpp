@@ -144,6 +144,8 @@ Settled::Settled(Integration integration)
   const BeamStep step(system, contact, {.mass_damping_per_s = 300.0, .friction = false});
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(system.mesh().unknowns());
   state = {.q = system.mesh().q0, .v = zero, .a = zero, .A = zero};
+  state.motions = wheels;
+  state.wheels = WrenchSet(wheels.size());
   for (int k = 0; k < 600; ++k) {
     BeamStep::Result next = step.advance(state, {wheels, wheels}, SimTime(100'000));
     require(next.outcome == Outcome::Done, next.message);
