@@ -42,7 +42,7 @@ WrenchSet ReducedBody::initialize(const MotionSet& motions) {
 }
 
 void ReducedBody::run(const StepRequest<MotionSet>& request, StepResult<WrenchSet>& result) {
-  const SimTime h = model_.params.micro_step;
+  const SimTime h = model_.params.follows_macro_step ? request.step : model_.params.micro_step;
   const std::int64_t n = request.step / h;
   const VelocityRule rule = velocity_rule(*model_.integrator);
   MacroStepWrench answer(*model_.integrator, n);
@@ -81,7 +81,8 @@ StepResult<WrenchSet> ReducedBody::advance(const StepRequest<MotionSet>& request
   require(request.input.begin.size() == model_.ports.size() &&
               request.input.end.size() == model_.ports.size(),
           "fem: advance: one motion per port is needed at both ends of the step.");
-  require(request.step > SimTime{} && request.step % model_.params.micro_step == SimTime{},
+  require(request.step > SimTime{} && (model_.params.follows_macro_step ||
+                                       request.step % model_.params.micro_step == SimTime{}),
           "fem: advance: the macro step of " + std::to_string(request.step.count()) +
               " ns is not a whole multiple of the micro step of " +
               std::to_string(model_.params.micro_step.count()) + " ns. Change fem.micro_step_s.");

@@ -107,6 +107,13 @@ std::string check_coupled(const ScenarioOptions& options) {
                   model.port_names.size(), to_string(model.coupling.scheme));
   if (const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get())) {
     text += describe(body->model());
+    const scenario::Node mbs_keys = model.scenario.root.section("mbs");
+    if (body->model().params.nodal &&
+        (mbs_keys.has("micro_step_s") || mbs_keys.text("integrator") == "verlet")) {
+      text +=
+          "  note: with mbs.micro_step_s or mbs.integrator: verlet, explicit_serial is unstable at "
+          "every step unless damping outweighs it; use interface_jacobian\n";
+    }
   }
   if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {
     fem::ancf::check_overlap(beams->params(), mbs->initialize(WrenchSet(model.port_names.size())));

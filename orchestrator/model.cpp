@@ -1,5 +1,8 @@
 #include "orchestrator/model.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <utility>
 
 #include "fem_process/make_model.h"
@@ -27,6 +30,31 @@ scenario::Loaded load_with_checksum(const std::filesystem::path& file,
   return scenario::load(file, scenario_table(), overrides);
 }
 
+/// Adaptive steps are whole multiples of the shortest, which has to be one of the micro steps.
+void check_adaptive(const Model& model) {
+  const AdaptiveParams& params = model.coupling.adaptive;
+  if (!params.active()) return;
+  const scenario::Node& root = model.scenario.root;
+  const scenario::Node adaptive = root.section("coupling").section("adaptive");
+  const SimTime first = model.run.macro_step;
+  const SimTime shortest = params.min_step.value_or(std::max(first / 32, SimTime(1)));
+  if (params.min_step && first % shortest != SimTime{}) {
+    adaptive.fail("min_step_s", "run.macro_step_s, the first step, is no whole multiple of it.");
+  }
+  if (params.max_step && *params.max_step < first) {
+    adaptive.fail("max_step_s", "is shorter than run.macro_step_s, the first step. Raise it.");
+  }
+  for (const char* side : {"mbs", "fem"}) {
+    if (!root.section(side).has("micro_step_s")) continue;
+    const SimTime h = sim_time_from_seconds(root.section(side).real("micro_step_s"));
+    if (shortest % h == SimTime{}) continue;
+    adaptive.fail("min_step_s",
+                  fmt::format("the shortest macro step, {} s, is no whole multiple of "
+                              "{}.micro_step_s = {}. Write one here.",
+                              to_seconds(shortest), side, to_seconds(h)));
+  }
+}
+
 }  // namespace
 
 Model load_model(const std::filesystem::path& file,
@@ -36,6 +64,7 @@ Model load_model(const std::filesystem::path& file,
   model.name = root.text("name");
   model.run = scenario::read_run(root);
   model.coupling = read_coupling(root);
+  check_adaptive(model);
   model.wire = read_wire(root);
   for (const scenario::PortParams& port : scenario::read_ports(root)) {
     model.port_names.push_back(port.name);

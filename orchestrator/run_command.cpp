@@ -77,7 +77,7 @@ struct RunCommand {
     }
     if (s.contains("energy_J")) std::printf("%s\n", balance_line(s.at("energy_J")).c_str());
     const auto not_converged = s.value("not_converged_steps", std::int64_t{0});
-    if (not_converged > 0) {
+    if (not_converged > 0 && s.at("status") != "not_converged") {
       std::printf(
           "%lld macro step(s) NOT converged, and accepted as coupling.on_not_converged says\n",
           static_cast<long long>(not_converged));

@@ -157,12 +157,16 @@ std::string BeamBody::count_swings(const ContactSums& before, Moment& after) con
   return message;
 }
 
+SimTime BeamBody::micro_step_of(SimTime macro_step) const {
+  return params_.follows_macro_step ? macro_step : params_.micro_step;
+}
+
 void BeamBody::check_request(const StepRequest<MotionSet>& request) const {
   require(initialized_, "fem: advance before initialize.");
   require(request.input.begin.size() == params_.ports.size() &&
               request.input.end.size() == params_.ports.size(),
           "fem: advance: one motion per port is needed at both ends of the step.");
-  require(request.step > SimTime{} && request.step % params_.micro_step == SimTime{},
+  require(request.step > SimTime{} && request.step % micro_step_of(request.step) == SimTime{},
           fmt::format("fem: advance: the macro step of {} ns is not a whole multiple of the micro "
                       "step of {} ns. Change fem.micro_step_s.",
                       request.step.count(), params_.micro_step.count()));
@@ -176,7 +180,7 @@ StepResult<WrenchSet> BeamBody::advance(const StepRequest<MotionSet>& request) {
     result.message = at_time(now_.state.time) + "the port motions are not finite.";
     return result;
   }
-  const SimTime h = params_.micro_step;
+  const SimTime h = micro_step_of(request.step);
   const std::int64_t n = request.step / h;
   result.outcome = Outcome::Done;
   result.message.clear();

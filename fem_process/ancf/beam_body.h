@@ -70,6 +70,7 @@ class BeamBody final : public FemSide {
   void set_velocities();
   /// Counts the swings of `after`; says which wheel has swung too often, or nothing.
   [[nodiscard]] std::string count_swings(const ContactSums& before, Moment& after) const;
+  [[nodiscard]] SimTime micro_step_of(SimTime macro_step) const;
   void check_request(const StepRequest<MotionSet>& request) const;
 
   BeamParams params_;

@@ -47,6 +47,7 @@ struct BeamParams {
   std::vector<WatchPoint> watch;
   std::vector<std::string> ports;
   SimTime micro_step{};
+  bool follows_macro_step = false;  ///< fem.micro_step_s is left out: steps of adaptive length
 };
 
 /// Throws a Usage error when the links do not fit the seats of a sprocket: the angle of a link on

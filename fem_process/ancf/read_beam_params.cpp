@@ -217,6 +217,7 @@ void read_times(const Node& root, BeamParams& params) {
   params.micro_step = root.has("run") && fem.has("micro_step_s")
                           ? sim_time_from_seconds(fem.real("micro_step_s"))
                           : macro_step;
+  params.follows_macro_step = !fem.has("micro_step_s");
   if (params.micro_step <= SimTime{} || macro_step % params.micro_step != SimTime{}) {
     fem.fail("micro_step_s", fmt::format("the macro step of {} s is not a whole multiple of it.",
                                          to_seconds(macro_step)));

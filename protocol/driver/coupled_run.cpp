@@ -15,6 +15,11 @@
 namespace tandem {
 namespace {
 
+/// Far above what first-order steps make in any run of use.
+constexpr double kMostCreated = 100.0;
+/// A model at rest has nothing but round-off.
+constexpr double kNegligible_J = 1e-9;
+
 /// The ledger of one macro step from what both sides' meters booked and the wall time of its parts.
 Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s) {
   Ledger ledger;
@@ -229,12 +234,36 @@ class CoupledRun {
     report_.state_hash = hash.value();
   }
 
+  /// Slow growth passes the monitor, which looks at the interface alone. Motion and strain cannot
+  /// hold more than the run began with and was given, but for what the steps have made up. The lines
+  /// of tlm hold energy of their own, and make none.
+  void judge_energy() {
+    if (params_.coupling.scheme == SchemeKind::Tlm) return;
+    const EnergyBook a = report_.energy_start.sum();
+    const EnergyBook b = report_.energy_end.sum();
+    const double raised_J = b.potential_J - a.potential_J;
+    const double held_J = b.kinetic_J + b.elastic_J + std::max(0.0, raised_J);
+    const double given_J = std::abs(a.kinetic_J) + std::abs(a.elastic_J) +
+                           std::max(0.0, -raised_J) +
+                           std::abs(b.external_work_J - a.external_work_J);
+    // Written so that an energy that is no number fails, too.
+    if (held_J <= kMostCreated * given_J + kNegligible_J) return;
+    stop(RunStatus::Diverged,
+         fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {:.0f} times "
+                     "what the run began with and was given ({:.3g} J). The steps make energy: "
+                     "lower run.macro_step_s or the sides' micro_step_s, or use "
+                     "coupling.scheme: interface_jacobian.",
+                     params_.scheme_name, to_seconds(state_.time), held_J, held_J / given_J,
+                     given_J));
+  }
+
   void finish() {
     if (report_.status == RunStatus::Done) {
       mbs_.checkpoint();
       fem_.checkpoint();
     }
     observe(report_.energy_end);
+    if (report_.status == RunStatus::Done) judge_energy();
     report_.motions = state_.motions;
     report_.wrenches = state_.wrenches;
   }
