@@ -235,8 +235,8 @@ class CoupledRun {
   }
 
   /// Slow growth passes the monitor, which looks at the interface alone. Motion and strain cannot
-  /// hold more than the run began with and was given, but for what the steps have made up. The lines
-  /// of tlm hold energy of their own, and make none.
+  /// hold more than the run began with and was given, but for what the steps have made up. The
+  /// lines of tlm hold energy of their own, and make none.
   void judge_energy() {
     if (params_.coupling.scheme == SchemeKind::Tlm) return;
     const EnergyBook a = report_.energy_start.sum();
