@@ -194,7 +194,8 @@ class LcmRun {
       }
     }
     std::vector<std::string> fates = launch_.left_in_peace();
-    wire::publish_abort(bus_, error.exit_code(), text);
+    const int signal = stop_signal();
+    wire::publish_abort(bus_, signal != 0 ? 128 + signal : error.exit_code(), text);
     for (std::string& fate : launch_.end_all(1.0)) fates.push_back(std::move(fate));
     if (recorder_.recorded_steps() > 0) {
       text += fmt::format(" The log is complete up to macro step {}.", recorder_.recorded_steps());

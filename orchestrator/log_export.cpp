@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <iterator>
 
@@ -27,6 +28,19 @@ void put(std::FILE* out, const std::string& text) {
     throw Error(ErrorKind::System,
                 fmt::format("cannot write the export: {}", std::strerror(errno)));
   }
+}
+
+std::string end_of(const wire::LogReader& log, std::int64_t steps) {
+  if (!log.finished()) {
+    return fmt::format(
+        "without its last event, behind macro step {}: the recording process was killed, or the "
+        "file is cut",
+        steps);
+  }
+  const wire::Finished& end = *log.finished();
+  if (end.exit_code == 0) return "done";
+  return fmt::format("behind macro step {} with exit code {}: {}", steps, end.exit_code,
+                     end.message);
 }
 
 }  // namespace
@@ -64,9 +78,7 @@ std::string describe_log(const RunDirectory& run) {
       "{}\n  run id       {:016x}\n  written by   {}\n  macro steps  {}\n  calls        {} ({} "
       "discarded by rollback)\n{}  ends         {}\n",
       run.log().string(), log.run_id(), log.scenario().versions, steps, calls, discarded, commands,
-      log.finished() ? fmt::format("with its last event, exit code {} {}",
-                                   log.finished()->exit_code, log.finished()->message)
-                     : "without its last event: the run was cut off");
+      end_of(log, steps));
 }
 
 }  // namespace tandem::orchestrator

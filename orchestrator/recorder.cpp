@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <utility>
+
 #include "orchestrator/interruption.h"
 #include "protocol/driver/side_process.h"
 
@@ -14,20 +17,44 @@ Recorder::Recorder(const Model& model, const RunDirectory& directory, std::uint6
             .versions = fmt::format("tandem {}", kTandemVersion)}),
       tables_(directory.path(), model.port_names),
       progress_(model.name, model.run.macro_steps(), model.run.macro_step, silent) {
+  so_far_.broken_off = true;
+  so_far_.port_names = model.port_names;
   write_text_file(directory.scenario(), model.scenario.resolved_yaml);
 }
 
 double Recorder::record(wire::StepJournal journal) {
+  log_is_whole_ = false;
   log_.write(journal);
+  log_is_whole_ = true;
   tables_.write(journal);
-  if (watch_) watch_(accepted_interface(journal));
+  AcceptedInterface accepted = accepted_interface(journal);
+  if (watch_) watch_(accepted);
   recorded_steps_ = journal.step.macro_step;
+  book(journal.step, std::move(accepted));
   progress_.step(journal.step.macro_step, journal.step.iterations);
   throw_if_interrupted();
   return 0.0;
 }
 
-void Recorder::finish(const wire::Finished& finished) { log_.write(finished); }
+void Recorder::book(const wire::StepRecord& step, AcceptedInterface accepted) {
+  if (step.macro_step > 0) {
+    const double power_W = interface_power_W(accepted.wrenches, accepted.motions);
+    so_far_.book(step, to_seconds(step.step) * std::abs(power_W));
+    so_far_.ledger += step.ledger;
+    so_far_.wall_s += step.ledger.named_s() + step.ledger.other_s;
+  }
+  if (step.outcome == Outcome::Failed) return;
+  so_far_.macro_steps = step.macro_step;
+  so_far_.simulated = step.time;
+  so_far_.motions = std::move(accepted.motions);
+  so_far_.wrenches = std::move(accepted.wrenches);
+}
+
+void Recorder::finish(const wire::Finished& finished) {
+  if (!log_is_whole_) return;
+  log_is_whole_ = false;
+  log_.write(finished);
+}
 
 void Recorder::flush() {
   progress_.finish();

@@ -25,7 +25,7 @@ class Recorder final : public StepSink {
   /// Throws once a signal has asked to stop; the step is recorded then, too.
   double record(wire::StepJournal journal) override;
 
-  /// Closes the log with how the run ended.
+  /// Closes the log with how the run ended; a log that could not be written to stays as it is.
   void finish(const wire::Finished& finished);
 
   /// Flushes the tables and ends the progress line; to be called also when the run failed.
@@ -34,16 +34,23 @@ class Recorder final : public StepSink {
 
   [[nodiscard]] std::int64_t recorded_steps() const { return recorded_steps_; }
 
+  /// What the recorded macro steps tell of a run that was broken off.
+  [[nodiscard]] const RunReport& so_far() const { return so_far_; }
+
   /// Also hand the accepted interface of every macro step to `watch` (comparisons).
   using Watch = std::function<void(const AcceptedInterface&)>;
   void watch(Watch watch) { watch_ = std::move(watch); }
 
  private:
+  void book(const wire::StepRecord& step, AcceptedInterface accepted);
+
   wire::LogWriter log_;
+  bool log_is_whole_ = true;  ///< it ends with a whole event
   StepTables tables_;
   Progress progress_;
   Watch watch_;
   std::int64_t recorded_steps_ = 0;
+  RunReport so_far_;
 };
 
 }  // namespace tandem::orchestrator

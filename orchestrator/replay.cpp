@@ -126,14 +126,19 @@ void with_process(const Model& model, const std::filesystem::path& folder, Proce
   launch.end_all(model.wire.timeout_s);
 }
 
-/// What the summary says the log should hold, against what it holds.
+/// Why there is no more in the log; empty for a run that was done.
 std::string remark_on_end(const RunDirectory& run, const wire::LogReader& log,
                           std::int64_t macro_steps) {
-  if (!log.truncated()) return {};
-  return fmt::format(
-      "{} ends behind macro step {} without its last event: the run was cut off, or "
-      "the file is damaged there",
-      run.log().string(), macro_steps);
+  if (log.truncated()) {
+    return fmt::format(
+        "{} ends behind macro step {} without its last event: the recording process was killed, "
+        "or the file is cut",
+        run.log().string(), macro_steps);
+  }
+  const wire::Finished& end = *log.finished();
+  if (end.exit_code == 0) return {};
+  return fmt::format("the recorded run ended behind macro step {} with exit code {}: {}",
+                     macro_steps, end.exit_code, end.message);
 }
 
 /// Macro steps that summary.json of a finished run promises.
@@ -167,33 +172,23 @@ void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::Lo
 
 ReplayReport replay(const RunDirectory& run, const ReplayOptions& options) {
   const InterruptionGuard guard;
-  // What is wrong with the log shows only while it is read: any of it means "does not reproduce".
-  const auto read_or_differ = [](auto read) {
-    try {
-      return read();
-    } catch (const Error& error) {
-      if (std::string(error.what()).rfind("log: ", 0) != 0) throw;
-      throw Error(ErrorKind::ReplayDiffers, error.what());
-    }
-  };
-  return read_or_differ([&] {
-    wire::LogReader log(run.log());
-    require(
-        log.scenario().scenario_yaml == read_text(run.scenario()),
-        fmt::format("{} is not the scenario that {} was recorded with. Restore it, or run anew.",
-                    run.scenario().string(), run.log().string()));
-    ReplayReport report;
-    replay_side(run, options, log, report);
-    if (!report.difference.empty()) return report;
-    report.remark = remark_on_end(run, log, report.macro_steps);
-    const auto promised = promised_steps(run);
-    if (promised && !report.remark.empty()) {
-      throw Error(ErrorKind::ReplayDiffers,
-                  fmt::format("{}; summary.json says that it was done after {} macro steps",
-                              report.remark, *promised));
-    }
-    return report;
-  });
+  wire::LogReader log(run.log());
+  require(log.scenario().scenario_yaml == read_text(run.scenario()),
+          fmt::format("{} is not the scenario that {} was recorded with. Restore it, or run anew.",
+                      run.scenario().string(), run.log().string()));
+  ReplayReport report;
+  replay_side(run, options, log, report);
+  if (!report.difference.empty()) return report;
+  report.remark = remark_on_end(run, log, report.macro_steps);
+  const auto promised = promised_steps(run);
+  require(!promised || report.remark.empty(),
+          fmt::format("{}; summary.json says that it was done after {} macro steps. Restore the "
+                      "file, or run anew.",
+                      report.remark, promised.value_or(0)));
+  require(report.macro_steps > 0,
+          fmt::format("{} holds no macro step: nothing was recorded that could be replayed. {}",
+                      run.log().string(), report.remark));
+  return report;
 }
 
 }  // namespace tandem::orchestrator

@@ -21,13 +21,13 @@ struct ReplayReport {
   std::int64_t calls = 0;
   std::int64_t discarded_calls = 0;  ///< of these, rolled back later
   std::string difference;  ///< first one: macro step, iteration, port, component, both values
-  std::string remark;      ///< the log ends early, and where
+  std::string remark;      ///< the recorded run did not end as planned: where and why
 };
 
 /// Drives one side with the inputs that the log of a run holds for it, in the order of the run and
 /// with its checkpoints and rollbacks, and compares every output with the log. Stops at the first
-/// difference. The other side is not needed. A damaged log throws a ReplayDiffers error that names
-/// the event and the macro step.
+/// difference. The other side is not needed. A damaged log throws a Usage error that names the
+/// event and the macro step, and so does a log without a macro step.
 [[nodiscard]] ReplayReport replay(const RunDirectory& run, const ReplayOptions& options);
 
 }  // namespace tandem::orchestrator

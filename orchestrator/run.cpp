@@ -43,17 +43,32 @@ std::string place_in_users_file(const Model& model, const Error& error) {
   return error.what();  // the model is good: the fault lies elsewhere, e.g. in the network
 }
 
+/// The summary holds what the recorded macro steps tell.
 RunOutcome outcome_of_failure(const Model& model, Mode mode, int exit_code,
-                              const std::string& message, std::int64_t recorded_steps) {
+                              const std::string& message, const Recorder& recorder) {
   // Whatever failed after a signal came, failed because of it: Ctrl-C reaches the sides as well.
   const int signal = stop_signal();
   RunOutcome outcome{.exit_code = signal != 0 ? 128 + signal : exit_code,
                      .summary = heading(model, mode)};
-  outcome.summary["scheme"] = to_string(model.coupling.scheme);
+  outcome.summary.update(to_json(recorder.so_far()));
+  outcome.summary["scheme"] =
+      mode == Mode::Monolithic ? to_string(mode) : to_string(model.coupling.scheme);
   outcome.summary["status"] = signal != 0 ? "interrupted" : "failed";
   outcome.summary["message"] = message;
-  outcome.summary["macro_steps"] = recorded_steps;
   return outcome;
+}
+
+/// Closes the log and the tables of a run that was broken off, as far as they can be written.
+void close(const RunOutcome& outcome, Recorder& recorder) {
+  recorder.end_progress();
+  try {
+    recorder.finish({.exit_code = outcome.exit_code,
+                     .message = outcome.summary.at("message").get<std::string>(),
+                     .summary_json = outcome.summary.dump()});
+    recorder.flush();
+  } catch (const Error&) {
+    return;  // a full disk must not hide why the run itself ended
+  }
 }
 
 }  // namespace
@@ -85,19 +100,18 @@ RunOutcome run_model(const Model& model, const RunDirectory& directory, const Ru
   } catch (const Error& error) {
     const std::string text =
         options.mode == Mode::Lcm ? place_in_users_file(model, error) : error.what();
-    outcome =
-        outcome_of_failure(model, options.mode, error.exit_code(), text, recorder.recorded_steps());
+    outcome = outcome_of_failure(model, options.mode, error.exit_code(), text, recorder);
+    close(outcome, recorder);
   } catch (const std::exception& error) {
-    outcome = outcome_of_failure(model, options.mode, 4, error.what(), recorder.recorded_steps());
+    outcome = outcome_of_failure(model, options.mode, 4, error.what(), recorder);
+    close(outcome, recorder);
   }
   try {
-    if (outcome.exit_code != 0) recorder.flush();
     write_text_file(directory.summary(), outcome.summary.dump(2) + "\n");
   } catch (const Error& error) {
     // A full disk must not hide why the run itself ended.
     if (outcome.exit_code == 0) {
-      return outcome_of_failure(model, options.mode, error.exit_code(), error.what(),
-                                recorder.recorded_steps());
+      return outcome_of_failure(model, options.mode, error.exit_code(), error.what(), recorder);
     }
   }
   return outcome;

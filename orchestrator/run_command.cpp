@@ -15,6 +15,18 @@
 namespace tandem::orchestrator {
 namespace {
 
+std::string outcome_line(const nlohmann::ordered_json& s) {
+  const std::string state = s.value("state_hash", "");
+  return fmt::format(
+      "{} ({}, {}): {}, {} macro steps, {:.2f} iterations per step, {:.3f} s wall for {:.6g} s "
+      "simulated{}",
+      s.at("scenario").get<std::string>(), s.at("mode").get<std::string>(),
+      s.at("scheme").get<std::string>(), s.at("status").get<std::string>(),
+      s.at("macro_steps").get<std::int64_t>(), s.at("iterations").at("mean").get<double>(),
+      s.at("wall_s").get<double>(), s.at("simulated_s").get<double>(),
+      state.empty() ? "" : ", state " + state);
+}
+
 /// The balance of both sides together, all terms booked.
 std::string balance_line(const nlohmann::ordered_json& energy) {
   const auto value = [&](const char* key) { return energy.at(key).get<double>(); };
@@ -63,19 +75,11 @@ struct RunCommand {
     if (outcome.exit_code != 0) {
       std::fprintf(stderr, "%s\n", s.at("message").get<std::string>().c_str());
     }
-    if (s.contains("wall_s")) {
-      std::printf(
-          "%s\n",
-          fmt::format("{} ({}, {}): {}, {} macro steps, {:.2f} iterations per step, "
-                      "{:.3f} s wall for {:.3f} s simulated, state {}",
-                      s.at("scenario").get<std::string>(), s.at("mode").get<std::string>(),
-                      s.at("scheme").get<std::string>(), s.at("status").get<std::string>(),
-                      s.at("macro_steps").get<std::int64_t>(),
-                      s.at("iterations").at("mean").get<double>(), s.at("wall_s").get<double>(),
-                      s.at("simulated_s").get<double>(), s.at("state_hash").get<std::string>())
-              .c_str());
+    std::printf("%s\n", outcome_line(s).c_str());
+    // Final state and energies are not known of a run that was broken off.
+    if (s.at("energy_J").contains("balance_error")) {
+      std::printf("%s\n", balance_line(s.at("energy_J")).c_str());
     }
-    if (s.contains("energy_J")) std::printf("%s\n", balance_line(s.at("energy_J")).c_str());
     const auto not_converged = s.value("not_converged_steps", std::int64_t{0});
     if (not_converged > 0 && s.at("status") != "not_converged") {
       std::printf(

@@ -17,8 +17,10 @@ namespace fs = std::filesystem;
 
 /// A name that can be no folder is the user's fault (2); a disk that refuses is the machine's (4).
 ErrorKind kind_of(const std::error_code& error) {
-  for (const std::errc fault : {std::errc::not_a_directory, std::errc::file_exists,
-                                std::errc::filename_too_long, std::errc::invalid_argument}) {
+  for (const std::errc fault :
+       {std::errc::not_a_directory, std::errc::file_exists, std::errc::filename_too_long,
+        std::errc::invalid_argument, std::errc::no_such_file_or_directory,
+        std::errc::permission_denied, std::errc::operation_not_permitted}) {
     if (error == fault) return ErrorKind::Usage;
   }
   return ErrorKind::System;

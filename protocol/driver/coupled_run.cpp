@@ -34,8 +34,6 @@ Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s)
   return ledger;
 }
 
-double transfer_s(const Ledger& l) { return l.encode_s + l.decode_s + l.publish_s + l.transit_s; }
-
 /// One coupled run in progress.
 class CoupledRun {
  public:
@@ -100,20 +98,17 @@ class CoupledRun {
     SimTime H{};
     const MacroStepEnd end = advance(H);
     const SimTime t_end = state_.time + H;
-    const double defect_J = book_defect(H, end);
+    wire::StepRecord step{.macro_step = n,
+                          .time = t_end,
+                          .step = H,
+                          .iterations = end.iterations,
+                          .residual_N = end.residual_N,
+                          .energy_defect_J = defect_J(H, end),
+                          .outcome = end.outcome};
     judge(n, H, t_end, end);
-
-    Ledger ledger = step_ledger(mbs_meter_, fem_meter_, now_s() - start_s);
-    report_.exchange_us.push_back(1e6 * transfer_s(ledger) / std::max(1, end.iterations));
-    record({.macro_step = n,
-            .time = t_end,
-            .step = H,
-            .iterations = end.iterations,
-            .residual_N = end.residual_N,
-            .energy_defect_J = defect_J,
-            .outcome = end.outcome,
-            .ledger = ledger},
-           start_s);
+    step.ledger = step_ledger(mbs_meter_, fem_meter_, now_s() - start_s);
+    report_.book(step, exchanged_J(H, end));
+    record(step, start_s);
     if (report_.status == RunStatus::Done) accept(n, t_end, end);
   }
 
@@ -145,22 +140,21 @@ class CoupledRun {
     }
   }
 
-  double book_defect(SimTime H, const MacroStepEnd& end) {
+  static double defect_J(SimTime H, const MacroStepEnd& end) {
     if (end.outcome == Outcome::Failed) return 0.0;
-    double defect_J = 0.0;
-    for (double defect : energy_defects_J(H, end)) defect_J += defect;
-    report_.interface_defect_max_J = std::max(report_.interface_defect_max_J, std::abs(defect_J));
-    report_.interface_defect_sum_J += defect_J;
-    report_.exchanged_work_J +=
-        to_seconds(H) * std::abs(interface_power_W(end.wrenches, end.motions));
-    return defect_J;
+    double sum_J = 0.0;
+    for (double defect : energy_defects_J(H, end)) sum_J += defect;
+    return sum_J;
+  }
+
+  static double exchanged_J(SimTime H, const MacroStepEnd& end) {
+    if (end.outcome == Outcome::Failed) return 0.0;
+    return to_seconds(H) * std::abs(interface_power_W(end.wrenches, end.motions));
   }
 
   /// Turns the end of a macro step into the run's status: diverged, not converged, failed, or go
   /// on.
   void judge(std::int64_t n, SimTime H, SimTime t_end, const MacroStepEnd& end) {
-    report_.iterations_total += end.iterations;
-    report_.iterations_max = std::max<std::int64_t>(report_.iterations_max, end.iterations);
     const auto located = [&](const char* what) {
       return fmt::format("{}: {} at t = {:.9g} s (macro step {}, iteration {}): ",
                          params_.scheme_name, what, to_seconds(t_end), n, end.iterations);
@@ -176,9 +170,8 @@ class CoupledRun {
                "(or implicit), or lower run.macro_step_s.");
       return;
     }
-    if (end.outcome != Outcome::NotConverged) return;
-    ++report_.not_converged_steps;
-    if (params_.coupling.on_not_converged == OnNotConverged::Stop) {
+    if (end.outcome == Outcome::NotConverged &&
+        params_.coupling.on_not_converged == OnNotConverged::Stop) {
       stop(RunStatus::NotConverged, located("not converged") + end.message);
     }
   }

@@ -66,24 +66,38 @@ ordered_json book_json(const EnergyBook& a, const EnergyBook& b) {
 }
 
 ordered_json energy_json(const RunReport& r) {
+  ordered_json json = {{"interface_defect_max", r.interface_defect_max_J},
+                       {"interface_defect_sum", r.interface_defect_sum_J},
+                       {"exchanged_work", r.exchanged_work_J}};
+  if (r.broken_off) return json;
   const EnergyBook a = r.energy_start.sum();
   const EnergyBook b = r.energy_end.sum();
-  return {{"interface_defect_max", r.interface_defect_max_J},
-          {"interface_defect_sum", r.interface_defect_sum_J},
-          {"exchanged_work", r.exchanged_work_J},
-          {"total_start", a.total_J()},
-          {"total_end", b.total_J()},
-          {"external_work", b.external_work_J - a.external_work_J},
-          {"interface_work", b.interface_work_J - a.interface_work_J},
-          {"dissipated", b.dissipated_J() - a.dissipated_J()},
-          {"damping", b.damping_loss_J - a.damping_loss_J},
-          {"numerical", b.numerical_loss_J - a.numerical_loss_J},
-          {"balance_error", balance_error_J(a, b)},
-          {"mbs", book_json(r.energy_start.mbs, r.energy_end.mbs)},
-          {"fem", book_json(r.energy_start.fem, r.energy_end.fem)}};
+  json["total_start"] = a.total_J();
+  json["total_end"] = b.total_J();
+  json["external_work"] = b.external_work_J - a.external_work_J;
+  json["interface_work"] = b.interface_work_J - a.interface_work_J;
+  json["dissipated"] = b.dissipated_J() - a.dissipated_J();
+  json["damping"] = b.damping_loss_J - a.damping_loss_J;
+  json["numerical"] = b.numerical_loss_J - a.numerical_loss_J;
+  json["balance_error"] = balance_error_J(a, b);
+  json["mbs"] = book_json(r.energy_start.mbs, r.energy_end.mbs);
+  json["fem"] = book_json(r.energy_start.fem, r.energy_end.fem);
+  return json;
 }
 
+double transfer_s(const Ledger& l) { return l.encode_s + l.decode_s + l.publish_s + l.transit_s; }
+
 }  // namespace
+
+void RunReport::book(const wire::StepRecord& step, double exchanged_J) {
+  iterations_total += step.iterations;
+  iterations_max = std::max<std::int64_t>(iterations_max, step.iterations);
+  not_converged_steps += step.outcome == Outcome::NotConverged ? 1 : 0;
+  exchange_us.push_back(1e6 * transfer_s(step.ledger) / std::max(1, step.iterations));
+  interface_defect_max_J = std::max(interface_defect_max_J, std::abs(step.energy_defect_J));
+  interface_defect_sum_J += step.energy_defect_J;
+  exchanged_work_J += exchanged_J;
+}
 
 std::string to_string(RunStatus status) {
   switch (status) {
@@ -117,7 +131,7 @@ ordered_json to_json(const RunReport& r) {
                                                    : 0.0},
                         {"max", r.iterations_max}};
   json["not_converged_steps"] = r.not_converged_steps;
-  json["rejected_steps"] = r.rejected_steps;
+  if (!r.broken_off) json["rejected_steps"] = r.rejected_steps;
   if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
   json["ledger_s"] = ledger_json(r.ledger);
   json["wire"] = {{"messages", r.ledger.messages},
@@ -130,7 +144,7 @@ ordered_json to_json(const RunReport& r) {
                          {"p99", quantile(exchange_us, 0.99)},
                          {"max", quantile(exchange_us, 1.0)}};
   json["energy_J"] = energy_json(r);
-  json["state_hash"] = fmt::format("{:016x}", r.state_hash);
+  if (!r.broken_off) json["state_hash"] = fmt::format("{:016x}", r.state_hash);
   json["ports"] = ports_json(r);
   return json;
 }

@@ -10,6 +10,7 @@
 #include "protocol/contract/port.h"
 #include "protocol/contract/sim_time.h"
 #include "protocol/contract/subsystem.h"
+#include "protocol/wire/journal.h"
 
 namespace tandem {
 
@@ -20,6 +21,9 @@ enum class RunStatus { Done, NotConverged, Diverged, SolverFailed };
 /// The numbers of one coupled run, as the driver of the scheme knows them.
 struct RunReport {
   RunStatus status = RunStatus::Done;
+  /// The driver could not end the run (interrupted, a process failed): what only the end tells is
+  /// not known, i.e. the sides' energies, the state's hash and the rejected steps.
+  bool broken_off = false;
   std::string message;  ///< empty when Done; else cause, place and remedy
   std::string scheme;
   std::int64_t macro_steps = 0;  ///< accepted
@@ -42,6 +46,10 @@ struct RunReport {
   std::vector<std::string> port_names;
   MotionSet motions;   ///< at the end
   WrenchSet wrenches;  ///< at the end
+
+  /// Books what a macro step took and what its interface did: iterations, transfer time, energy
+  /// defect; with H |λ·V| = `exchanged_J`. Ledger and accepted state are the caller's to add.
+  void book(const wire::StepRecord& step, double exchanged_J);
 
   [[nodiscard]] int exit_code() const { return status == RunStatus::Done ? 0 : 3; }
 };

@@ -168,7 +168,7 @@ class RunLogDamage : public testing::Test {
   static Ended replay(const std::filesystem::path& run, const std::string& side = "fem") {
     return tandem_command({"replay", run.string(), "--side", side, "--transport", "inproc"});
   }
-  /// Flips one byte of a copy; replay must end with 5 and say so.
+  /// Flips one byte of a copy: bad input, whatever reads it, and said with its place.
   void expect_noticed(std::size_t byte, const std::string& text, char mask = 0x10) {
     const auto run = copy();
     std::string log = read_file(run / "exchange.lcm");
@@ -176,7 +176,7 @@ class RunLogDamage : public testing::Test {
     write_file(run / "exchange.lcm", log);
     for (const std::string side : {"fem", "mbs"}) {
       const Ended ended = replay(run, side);
-      EXPECT_EQ(ended.code, 5) << "byte " << byte << ", " << side << ": " << ended.output;
+      EXPECT_EQ(ended.code, 2) << "byte " << byte << ", " << side << ": " << ended.output;
       EXPECT_NE(ended.output.find(text), std::string::npos)
           << "byte " << byte << ": " << ended.output;
     }
@@ -223,9 +223,26 @@ TEST_F(RunLogDamage, ACutLogOfAFinishedRunIsNotItsReplay) {
   const auto run = copy();
   std::filesystem::resize_file(run / "exchange.lcm", first_call_of(7).begin + 100);
   const Ended ended = replay(run);
-  EXPECT_EQ(ended.code, 5) << ended.output;
+  EXPECT_EQ(ended.code, 2) << ended.output;
   EXPECT_NE(ended.output.find("ends behind macro step 6"), std::string::npos) << ended.output;
   EXPECT_NE(ended.output.find("done after 10 macro steps"), std::string::npos) << ended.output;
+}
+
+TEST_F(RunLogDamage, ALogWithoutAMacroStepReproducesNothing) {
+  const auto run = copy();
+  {
+    wire::LogReader log(original() / "exchange.lcm");
+    wire::LogWriter changed(run / "exchange.lcm", log.run_id(), log.scenario());
+    changed.write(*log.next_step());  // the initialization
+    changed.write(wire::Finished{.exit_code = 4, .message = "tandem-fem was killed"});
+  }
+  write_file(run / "summary.json", R"({"status": "failed"})");
+  const Ended ended = replay(run);
+  EXPECT_EQ(ended.code, 2) << ended.output;
+  for (const char* words : {"holds no macro step", "tandem-fem was killed"}) {
+    EXPECT_NE(ended.output.find(words), std::string::npos) << ended.output;
+  }
+  EXPECT_EQ(ended.output.find("reproduces"), std::string::npos) << ended.output;
 }
 
 TEST_F(RunLogDamage, AnEditedScenarioIsRefused) {
