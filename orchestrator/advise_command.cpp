@@ -6,6 +6,7 @@
 
 #include "orchestrator/advise.h"
 #include "orchestrator/commands.h"
+#include "orchestrator/option_checks.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_options.h"
 #include "orchestrator/text_file.h"
@@ -49,11 +50,11 @@ void add_advise(CLI::App& app) {
   command->scenario.declare(*sub);
   sub->add_option("--accuracy", command->options.accuracy,
                   "Wanted error of port positions relative to their travel")
-      ->check(CLI::Range(1e-12, 1.0))
+      ->check(number_between(1e-12, 1.0))
       ->capture_default_str();
   sub->add_option("--trial-steps", command->options.trial_steps,
                   "Length of the trial runs in macro steps")
-      ->check(CLI::Range(1, 1000000))
+      ->check(whole_number_between(1, 1000000))
       ->capture_default_str();
   sub->add_option("--out", command->scenario.out, "Folder [runs/<scenario>/advise-<UTC time>]");
   sub->footer("Both sides run in this process; nothing is sent.");

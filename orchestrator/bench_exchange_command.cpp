@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "orchestrator/exchange_benchmark.h"
+#include "orchestrator/option_checks.h"
 #include "orchestrator/text_file.h"
 
 namespace tandem::orchestrator {
@@ -133,10 +134,10 @@ void add_bench_exchange(CLI::App& bench) {
       "exchange", "One exchange of both sides beside raw TCP and UDP in the same run");
   sub->add_option("--nodes", command->nodes, "Motions there and wrenches back, comma-separated")
       ->delimiter(',')
-      ->check(CLI::Range(1, 100000))
+      ->check(whole_number_between(1, 100000))
       ->capture_default_str();
   sub->add_option("--repeat", command->repeat, "Runs of each row; the paths take turns")
-      ->check(CLI::Range(1, 10000))
+      ->check(whole_number_between(1, 10000))
       ->capture_default_str();
   sub->add_option("--placement", command->placements,
                   "Cores of the two processes: same, cross, free (as the kernel decides)")

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "fem_process/step_benchmark.h"
+#include "orchestrator/option_checks.h"
 #include "orchestrator/text_file.h"
 #include "protocol/contract/sim_time.h"
 
@@ -199,20 +200,20 @@ void add_bench_fem(CLI::App& bench) {
       ->capture_default_str();
   sub->add_option("--threads", command->threads, "Numbers of threads, comma-separated")
       ->delimiter(',')
-      ->check(CLI::Range(1, 64))
+      ->check(whole_number_between(1, 64))
       ->capture_default_str();
   sub->add_option("--tolerance", command->tolerance, "Of PCG, relative to the right-hand side")
-      ->check(CLI::Range(1e-15, 0.1))
+      ->check(number_between(1e-15, 0.1))
       ->capture_default_str();
   sub->add_option("--max-iterations", command->max_iterations,
                   "Caps of PCG, comma-separated: several show the trade-off of cap and error")
       ->delimiter(',')
-      ->check(CLI::Range(1, 1000000))
+      ->check(whole_number_between(1, 1000000))
       ->capture_default_str();
   sub->add_option("--steps", command->steps, "Steps of 0.01 s [soft 400, steel 200]")
-      ->check(CLI::Range(1, 1000000));
+      ->check(whole_number_between(1, 1000000));
   sub->add_option("--repeat", command->repeat, "Runs of each row, by turns; the quietest counts")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number_between(1, 1000))
       ->capture_default_str();
   sub->add_option("--clamp", command->clamp, "Node set that is held")->capture_default_str();
   sub->add_option("--load", command->load, "Node set that is loaded")->capture_default_str();

@@ -9,6 +9,7 @@
 
 #include "orchestrator/commands.h"
 #include "orchestrator/compare.h"
+#include "orchestrator/option_checks.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_options.h"
 #include "orchestrator/text_file.h"
@@ -88,7 +89,7 @@ void add_compare(CLI::App& app, int& exit_code) {
       "compare", "Run monolithic, in process and over LCM in turn; print cost and accuracy");
   command->scenario.declare(*sub);
   sub->add_option("--repeat", command->repeat, "Interleaved repetitions [3; with --steps 1]")
-      ->check(CLI::Range(1, 1000));
+      ->check(whole_number_between(1, 1000));
   sub->add_option("--schemes", command->schemes, "Schemes to compare [the scenario's own]")
       ->delimiter(',');
   sub->add_option(
@@ -96,11 +97,11 @@ void add_compare(CLI::App& app, int& exit_code) {
          "Macro steps (s): the work-precision table of the schemes, with a fine monolithic "
          "run as reference")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(number_above_zero());
   sub->add_option("--tolerances", command->tolerances,
                   "With --steps: also adaptive macro steps with these coupling.adaptive.tolerance")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber);
+      ->check(number_above_zero());
   sub->add_option("--transport", command->transport, "With --steps: lcm or inproc")
       ->check(CLI::IsMember({"lcm", "inproc"}))
       ->capture_default_str();

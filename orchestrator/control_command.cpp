@@ -9,6 +9,7 @@
 #include <string>
 
 #include "orchestrator/commands.h"
+#include "orchestrator/option_checks.h"
 #include "orchestrator/run_directory.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/control_inbox.h"
@@ -89,7 +90,7 @@ void add_control(CLI::App& app) {
   sub->add_option("--port", command->port, "UDP port of the run, with --run");
   sub->add_option("--timeout", command->timeout_s,
                   "Silence (s) after which the run counts as ended")
-      ->check(CLI::PositiveNumber)
+      ->check(number_above_zero())
       ->capture_default_str();
   sub->require_subcommand(1);
   const auto add = [&](const char* verb, const char* what) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "orchestrator/commands.h"
+#include "orchestrator/option_checks.h"
 #include "orchestrator/replay.h"
 #include "orchestrator/run_directory.h"
 #include "protocol/contract/error.h"
@@ -61,14 +62,14 @@ void add_replay(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"mbs", "fem"}));
   sub->add_option("--tolerance", command->tolerance,
                   "Allowed difference relative to max(1, |logged|); 0 = the same bits")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str();
   sub->add_option("--transport", command->transport, "lcm: a side process; inproc: none")
       ->check(CLI::IsMember({"lcm", "inproc"}))
       ->capture_default_str();
   sub->add_flag("--publish", command->publish, "Publish the log's events on LCM");
   sub->add_option("--speed", command->speed, "With --publish: 2 = twice as fast, 0 = no pauses")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str();
   sub->add_option("--url", command->url,
                   "With --publish: LCM URL [LCM_DEFAULT_URL, else LCM's own]");

@@ -244,6 +244,8 @@ TEST_P(WrongCommandLine, IsAUsageErrorWithHelp) {
     EXPECT_NE(ended.output.find(words), std::string::npos)
         << "no '" << words << "': " << ended.output;
   }
+  // A refusal is read, not searched: no limits of floating-point numbers written out.
+  EXPECT_LT(ended.output.size(), 1000U) << ended.output;
   EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << "something was written";
 }
 
@@ -298,6 +300,27 @@ std::vector<Line> lines() {
       {"check_without_scenario", {"check"}, {"SCENARIO is required", "--help"}},
       {"compare_without_scenario", {"compare"}, {"SCENARIO is required", "--help"}},
       {"compare_never", {"compare", scenario, "--repeat", "0"}, {"--repeat", "1 to 1000"}},
+      {"compare_steps_that_are_no_numbers",
+       {"compare", scenario, "--steps", "1e-3,abc", "--out", "FOLDER"},
+       {"--steps: 'abc' is not a number above 0"}},
+      {"compare_steps_of_nothing",
+       {"compare", scenario, "--steps", "1e-3,nan", "--out", "FOLDER"},
+       {"--steps: 'nan' is not a number above 0"}},
+      {"compare_tolerance_zero",
+       {"compare", scenario, "--steps", "1e-3", "--tolerances", "0", "--out", "FOLDER"},
+       {"--tolerances: '0' is not a number above 0"}},
+      {"compare_half_a_time",
+       {"compare", scenario, "--repeat", "1.5"},
+       {"--repeat: '1.5' is not a whole number from 1 to 1000"}},
+      {"advise_accuracy_too_fine",
+       {"advise", scenario, "--accuracy", "1e-13"},
+       {"--accuracy: '1e-13' is not a number from 1e-12 to 1"}},
+      {"bench_of_no_nodes",
+       {"bench", "exchange", "--nodes", "1,none"},
+       {"--nodes: 'none' is not a whole number from 1 to 100000"}},
+      {"control_without_patience",
+       {"control", "FOLDER", "--timeout", "never", "release", "eye"},
+       {"--timeout: 'never' is not a number above 0"}},
       {"compare_unknown_scheme",
        {"compare", scenario, "--schemes", "foo", "--out", "FOLDER"},
        {"'foo' is not known", "explicit_serial"}},
@@ -311,7 +334,7 @@ std::vector<Line> lines() {
       {"replay_unknown_side", {"replay", "FOLDER", "--side", "foo"}, {"--side", "mbs", "fem"}},
       {"replay_negative_tolerance",
        {"replay", "FOLDER", "--side", "fem", "--tolerance", "-1"},
-       {"--tolerance"}},
+       {"--tolerance: '-1' is not a number of at least 0"}},
       {"log_without_run", {"log"}, {"RUN is required", "--help"}},
       {"log_of_no_run", {"log", "FOLDER"}, {"is not a complete run folder"}},
       {"report_of_no_run", {"report", "FOLDER"}, {"is not a complete run folder"}},
