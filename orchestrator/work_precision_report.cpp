@@ -47,10 +47,16 @@ Plot error_plot(const WorkPrecision& result, const std::string& x_label,
             .y_label = "error of port motion (m)",
             .x_scale = AxisScale::Logarithmic,
             .y_scale = AxisScale::Logarithmic};
+  std::string scheme_before;
   for (const PrecisionRow& row : result.rows) {
     if (row.exit_code != 0) continue;
     if (plot.series.empty() || plot.series.back().label != label_of(row)) {
-      plot.series.push_back({.label = label_of(row), .markers = true});
+      const bool adaptive = row.tolerance > 0.0;
+      plot.series.push_back({.label = label_of(row),
+                             .markers = true,
+                             .dashed = adaptive,
+                             .as_before = adaptive && row.scheme == scheme_before});
+      scheme_before = row.scheme;
     }
     plot.series.back().x.push_back(x_of(row));
     plot.series.back().y.push_back(row.error.motion_m);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <regex>
+#include <set>
 
 #include "orchestrator/svg_plot.h"
 
@@ -18,6 +20,66 @@ TEST(NiceTicks, AreWholeMultiplesOfOneTwoOrFive) {
   EXPECT_EQ(nice_ticks(-7.0, 12.0, 4), (std::vector<double>{-5.0, 0.0, 5.0, 10.0}));
   EXPECT_EQ(nice_ticks(990.0, 1010.0, 2), (std::vector<double>{990.0, 1000.0, 1010.0}));
   EXPECT_TRUE(nice_ticks(1.0, 1.0, 5).empty());
+}
+
+TEST(LogTicks, AreAtLeastThreeHoweverShortTheAxis) {
+  EXPECT_EQ(log_ticks(1e-3, 1.0, 10), (std::vector<double>{1e-3, 1e-2, 1e-1, 1.0}));
+  EXPECT_EQ(log_ticks(0.8, 90.0, 10).size(), 6U);  // 1, 2, 5, 10, 20, 50
+  EXPECT_EQ(log_ticks(0.8, 30.0, 10), (std::vector<double>{1.0, 2.0, 5.0, 10.0, 20.0}));
+  // An error that halves with the step: a third of a decade.
+  for (const double low : {1.1e-3, 4.9e-4, 0.07, 9.0, 123.0}) {
+    EXPECT_GE(log_ticks(low, 2.1 * low, 10).size(), 3U) << low;
+    EXPECT_GE(log_ticks(low, 1.01 * low, 10).size(), 3U) << low;
+  }
+  const std::vector<double> many = log_ticks(1e-30, 1.0, 10);
+  EXPECT_LE(many.size(), 10U);
+  EXPECT_GE(many.size(), 5U);
+}
+
+/// All groups of a regular expression's first match in each line.
+std::vector<std::smatch> matches(const std::string& text, const char* expression) {
+  const std::regex regex(expression);
+  return {std::sregex_iterator(text.begin(), text.end(), regex), std::sregex_iterator()};
+}
+
+Plot plot_of(int series, const std::string& label) {
+  Plot plot;
+  for (int i = 0; i < series; ++i) {
+    plot.series.push_back({.label = label + std::to_string(i), .x = {0, 1}, .y = {0, 1.0 * i}});
+  }
+  return plot;
+}
+
+// A sans-serif font of 12 pixels is about 6.1 pixels a character wide (measured:
+// "interface_jacobian, adaptive" in DejaVu Sans, 170 pixels).
+TEST(SvgDocument, LegendHasRoomInItsOwnPlot) {
+  for (const int series : {2, 3, 9, 30}) {
+    const std::string label = "interface_jacobian of a name that is long, adaptive ";
+    const std::string svg = svg_document({plot_of(series, label), plot_of(series, label)}, 2);
+    const auto box = matches(svg, "viewBox=\"0 0 ([0-9]+) ([0-9]+)\"");
+    ASSERT_EQ(box.size(), 1U);
+    const double width = 0.5 * std::stod(box[0][1]), height = std::stod(box[0][2]);
+    const auto labels =
+        matches(svg, "<text x=\"([0-9.]+)\" y=\"([0-9.]+)\" text-anchor=\"start\">([^<]*)<");
+    EXPECT_EQ(labels.size(), 2U * static_cast<unsigned>(series));
+    for (const auto& text : labels) {
+      EXPECT_LT(std::stod(text[1]) + 6.1 * static_cast<double>(text[3].length()), width);
+      EXPECT_LT(std::stod(text[2]), height);
+    }
+  }
+}
+
+TEST(SvgDocument, NoTwoCurvesLookTheSame) {
+  Plot plot = plot_of(21, "");
+  for (std::size_t i = 1; i < plot.series.size(); i += 2) {
+    plot.series[i].dashed = plot.series[i].as_before = true;
+  }
+  for (const Plot& p : {plot, plot_of(21, "")}) {
+    std::set<std::string> looks;
+    const std::string svg = svg_document({p});
+    for (const auto& path : matches(svg, "<path [^>]*stroke=(\"#[^>]*)/>")) looks.insert(path[1]);
+    EXPECT_EQ(looks.size(), 21U);
+  }
 }
 
 TEST(SvgDocument, IsTheSameTextForTheSamePlots) {
