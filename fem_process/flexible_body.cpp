@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "fem_process/macro_step_wrench.h"
-#include "fem_process/quasi_static.h"
+#include "fem_process/held.h"
 #include "fem_process/step_energy.h"
 #include "protocol/contract/error.h"
 

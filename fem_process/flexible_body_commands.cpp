@@ -1,7 +1,7 @@
 #include <string>
 
 #include "fem_process/flexible_body.h"
-#include "fem_process/quasi_static.h"
+#include "fem_process/held.h"
 #include "fem_process/step_energy.h"
 #include "protocol/contract/error.h"
 

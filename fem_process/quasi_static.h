@@ -25,8 +25,4 @@ class QuasiStatic final : public Integrator {
   [[nodiscard]] bool inertia() const override { return false; }
 };
 
-/// Throws a Usage error when the prescribed nodes leave the body free to move: statics needs three
-/// of them that are not in line.
-void require_held(const Model& model);
-
 }  // namespace tandem::fem

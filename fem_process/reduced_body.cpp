@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "fem_process/macro_step_wrench.h"
-#include "fem_process/quasi_static.h"
+#include "fem_process/held.h"
 #include "fem_process/reduced_tangent.h"
 #include "protocol/contract/error.h"
 

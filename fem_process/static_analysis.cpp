@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "fem_process/held.h"
 #include "fem_process/make_formulation.h"
 #include "fem_process/node_vectors.h"
 #include "fem_process/round_off.h"
@@ -48,6 +49,7 @@ void check(const StaticParams& params) {
 StaticAnalysis::StaticAnalysis(const Model& model, StaticParams params)
     : model_(model), params_(std::move(params)) {
   check(params_);
+  require_held(model_);
   load_ = model_.external_forces(params_.law_time_s);
   load_norm_ = gather(load_, model_.free).norm();
   solver_ = make_solver(model_.params.solver, model_.interior.pattern);
@@ -70,23 +72,32 @@ bool StaticAnalysis::converged(const Point& point, double factor) const {
 }
 
 SolveReport StaticAnalysis::direction(const Point& point, Eigen::VectorXd& delta) {
-  BlockValues interior;
-  gather_interior(model_, point.K, interior);
-  SolveReport report = solver_->factorize(interior);
-  if (report.outcome == Outcome::Failed) {
-    if (!definite_) {
-      definite_ = make_formulation(FormulationKind::Corotational, model_.mesh, model_.materials);
-    }
-    Eigen::VectorXd f_int;
-    BlockValues K;
-    definite_->evaluate(point.x, f_int, K);
+  const auto solve = [&](const BlockValues& K) {
+    BlockValues interior;
     gather_interior(model_, K, interior);
-    report = solver_->factorize(interior);
+    SolveReport report = solver_->factorize(interior);
+    if (report.outcome == Outcome::Failed) return report;
+    Eigen::MatrixXd right = point.residual;
+    report = solver_->solve(right, Eigen::VectorXd::Constant(1, point.norm));
+    delta = right.col(0);
+    return report;
+  };
+  // The direct solver notices a matrix that is not definite in factorising, PCG in solving.
+  SolveReport report = solve(point.K);
+  if (report.outcome != Outcome::Failed) return report;
+  if (!definite_) {
+    definite_ = make_formulation(FormulationKind::Corotational, model_.mesh, model_.materials);
   }
-  if (report.outcome == Outcome::Failed) return report;
-  Eigen::MatrixXd right = point.residual;
-  report = solver_->solve(right, Eigen::VectorXd::Constant(1, point.norm));
-  delta = right.col(0);
+  Eigen::VectorXd f_int;
+  BlockValues K;
+  definite_->evaluate(point.x, f_int, K);
+  report = solve(K);
+  if (report.outcome == Outcome::Failed) {
+    report.message =
+        "fem: the stiffness of " + model_.mesh.file.string() +
+        " is not positive definite to round-off, although the body is held. Check the material "
+        "and the mesh for elements of extreme shape.";
+  }
   return report;
 }
 

@@ -93,6 +93,49 @@ TEST_F(FemCommand, SaysThatATransientAnalysisNeedsTheSectionRun) {
   }
 }
 
+// Its stiffness is singular, which no step size mends.
+TEST_F(FemCommand, AStaticBodyThatIsNotHeldIsBadInput) {
+  const auto refused = [](const Error& error, const std::string& words) {
+    EXPECT_EQ(error.kind(), ErrorKind::Usage);
+    EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("micro_step"), std::string::npos) << error.what();
+  };
+  for (const char* solver : {"cholmod", "pcg"}) {
+    try {
+      static_cast<void>(
+          run_fem(load("", {{"fem.fixed", "[]"}, {"fem.solver.kind", solver}}).root, "", folder));
+      ADD_FAILURE() << "accepted by " << solver;
+    } catch (const Error& error) {
+      refused(error, "the body is not held against rigid motion");
+      refused(error, "three that are not in line. Name a node set in fem.fixed");
+    }
+  }
+}
+
+// Two tets that share no node, one of them held: said with a node of the other.
+TEST_F(FemCommand, APartThatHangsInTheAirIsNamed) {
+  std::ofstream(folder / "two.inp") << "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n"
+                                       "15, 5, 0, 0\n16, 6, 0, 0\n17, 5, 1, 0\n18, 5, 0, 1\n"
+                                       "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n2, 15, 16, 17, 18\n"
+                                       "*NSET, NSET=FLOOR\n1, 2, 3\n*NSET, NSET=EDGE\n15, 16\n";
+  const auto loaded = [&](const std::string& fixed) {
+    return load("", {{"fem.mesh.file", (folder / "two.inp").string()},
+                     {"fem.fixed", fixed},
+                     {"fem.loads", "[]"},
+                     {"fem.watch", "[]"}});
+  };
+  try {
+    static_cast<void>(run_fem(loaded("[FLOOR, EDGE]").root, "", folder));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("a part of the body (4 of its 8 nodes, among them node 15 of "),
+              std::string::npos)
+        << text;
+    EXPECT_NE(text.find("have 2 of its nodes"), std::string::npos) << text;
+  }
+}
+
 // An equilibrium that is not found is exit code 3, with the load factor and what to do.
 TEST_F(FemCommand, ReportsAMissingEquilibrium) {
   const FemOutcome outcome =
