@@ -12,6 +12,7 @@
 #include "fem_process/ancf/beam_modes.h"
 #include "fem_process/ancf/beam_vtu.h"
 #include "fem_process/vtk_xml.h"
+#include "mbs_process/make_side.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/scenario/common_keys.h"
@@ -110,14 +111,22 @@ FemOutcome run_modes(const scenario::Node& root, int count) {
   return outcome;
 }
 
-/// The wheels stand where their ports say.
-MotionSet held_wheels(const scenario::Node& root) {
+/// Ports are held where their bodies are at t = 0, or where they say themselves.
+MotionSet held_ports(const scenario::Node& root) {
   MotionSet motions;
   if (!root.has("ports")) return motions;
-  for (const scenario::PortParams& port : scenario::read_ports(root)) {
-    require(!port.at_body_frame, port.place.text() + ": port '" + port.name +
-                                     "' needs position_m here, where there is no rigid body to "
-                                     "stand on.");
+  const std::vector<scenario::PortParams> ports = scenario::read_ports(root);
+  if (root.has("mbs")) {
+    motions = mbs::make_side(root, {})->initialize(WrenchSet(ports.size()));
+    for (Motion& motion : motions) motion = {.p_WP = motion.p_WP, .q_WP = motion.q_WP};
+    return motions;
+  }
+  for (const scenario::PortParams& port : ports) {
+    require(!port.at_body_frame,
+            port.place.text() + ": port '" + port.name +
+                "' needs position_m: there is no section mbs whose body '" + port.body +
+                "' would say where it stands. Add position_m: [x, y, z] to the port, or the "
+                "section.");
     motions.push_back({.p_WP = port.p_WP, .q_WP = port.q_WP});
   }
   return motions;
@@ -144,7 +153,7 @@ FemOutcome run_transient(const scenario::Node& root, const std::filesystem::path
     csv.write(body);
     if (vtu && vtu->wants_next()) vtu->write(body.state().time, fem::ancf::vtu_text(body));
   };
-  const MotionSet held = held_wheels(root);
+  const MotionSet held = held_ports(root);
   body.initialize(held);
   record();
   const scenario::RunParams run = scenario::read_run(root);

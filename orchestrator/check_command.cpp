@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <iterator>
 #include <memory>
@@ -34,8 +35,28 @@ const char* name_of(scenario::AttachmentKind kind) {
   return "rigid";
 }
 
-/// Size and mass as the solver sees them: a wrong length scale or density shows here.
-std::string describe(const fem::Model& model) {
+/// A port's nodes beside its origin, where that is known: a body or a mesh that is out of place
+/// shows here. The length is what weighs rotations against translations in residuals.
+std::string describe(const fem::Model& model, const fem::Model::Port& port, const Motion* motion) {
+  std::string text = fmt::format("  port '{}': {} nodes, {}, length {:.3g} m", port.name,
+                                 port.nodes.size(), name_of(port.attachment.kind), port.length_m);
+  if (motion != nullptr) {
+    const Eigen::Vector3d& p = motion->p_WP;
+    double farthest_m = 0.0;
+    for (int node : port.nodes) {
+      farthest_m = std::max(farthest_m, (model.mesh.X[static_cast<std::size_t>(node)] - p).norm());
+    }
+    fmt::format_to(std::back_inserter(text),
+                   ", up to {:.3g} m from its origin ({:.4g}, {:.4g}, "
+                   "{:.4g}) m",
+                   farthest_m, p.x(), p.y(), p.z());
+  }
+  return text + "\n";
+}
+
+/// Size and mass as the solver sees them: a wrong length scale or density shows here. `origins`:
+/// the ports at t = 0, or none without a multibody side.
+std::string describe(const fem::Model& model, const MotionSet& origins) {
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& X : model.mesh.X) box.extend(X);
   std::vector<double> volumes_m3(model.materials.list.size());
@@ -57,10 +78,9 @@ std::string describe(const fem::Model& model) {
                    model.params.materials[s].set.name, elements[s],
                    volumes_m3[s] * model.materials.list[s].density_kg_per_m3);
   }
-  for (const fem::Model::Port& port : model.ports) {
-    fmt::format_to(std::back_inserter(text),
-                   "  port '{}': {} nodes, {}, {:.3g} m from its origin (rms)\n", port.name,
-                   port.nodes.size(), name_of(port.attachment.kind), port.length_m);
+  for (std::size_t i = 0; i < model.ports.size(); ++i) {
+    const bool placed = origins.size() == model.ports.size();
+    text += describe(model, model.ports[i], placed ? &origins[i] : nullptr);
   }
   if (!model.fixed.empty()) {
     fmt::format_to(std::back_inserter(text), "  held: {} nodes\n", model.fixed.size());
@@ -94,7 +114,7 @@ std::string check_flexible(const std::string& file, const scenario::Node& root) 
   }
   const fem::Model model(fem::read_params(root));
   return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,
-                     describe(model));
+                     describe(model, MotionSet{}));
 }
 
 std::string check_coupled(const ScenarioOptions& options) {
@@ -106,7 +126,7 @@ std::string check_coupled(const ScenarioOptions& options) {
                   model.run.macro_steps(), to_seconds(model.run.macro_step),
                   model.port_names.size(), to_string(model.coupling.scheme));
   if (const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get())) {
-    text += describe(body->model());
+    text += describe(body->model(), mbs->initialize(WrenchSet(model.port_names.size())));
     const scenario::Node mbs_keys = model.scenario.root.section("mbs");
     if (body->model().params.nodal &&
         (mbs_keys.has("micro_step_s") || mbs_keys.text("integrator") == "verlet")) {

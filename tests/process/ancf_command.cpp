@@ -111,6 +111,47 @@ fem:
   EXPECT_NEAR(found[2].get<double>(), f * (1.0 + stiff), 2e-3 * f);
 }
 
+// The bodies are held where they stand: the same as ports that say it themselves.
+TEST_F(AncfCommand, PortsOfATransientStandAtTheirBodies) {
+  const auto rope = [](const std::string& ports, const std::string& mbs) {
+    return "name: rope\nrun: {duration_s: 0.02, macro_step_s: 0.001}\n" + ports + mbs + R"(fem:
+  model: ancf
+  gravity_m_per_s2: [0, 0, -9.81]
+  ancf:
+    path: {kind: line, length_m: 2}
+    chain: {elements: 8, strain: 0.01}
+    section: {width_m: 0.01, height_m: 0.01}
+    material: {law: svk, young_Pa: 1.0e+9, poisson: 0, density_kg_per_m3: 1000}
+    attachments:
+      - {port: a, end: left}
+      - {port: b, end: right}
+    watch: [{name: end, at: 1}, {name: middle, at: 0.5}]
+)";
+  };
+  const std::string unsaid = "ports: [{name: a, body: left}, {name: b, body: right}]\n";
+  const std::string said =
+      "ports: [{name: a, body: left, position_m: [0, 0, 0]}, "
+      "{name: b, body: right, position_m: [2, 0, 0]}]\n";
+  const std::string bodies =
+      "mbs:\n  bodies:\n"
+      "    - {name: left, mass_kg: 1, inertia_kg_m2: [1, 1, 1], position_m: [0, 0, 0]}\n"
+      "    - {name: right, mass_kg: 1, inertia_kg_m2: [1, 1, 1], position_m: [2, 0, 0], "
+      "velocity_m_per_s: [1, 0, 0]}\n";
+  const FemOutcome from_bodies = run(rope(unsaid, bodies), "transient");
+  const auto& history = from_bodies.results["history"]["displacement_m"];
+  EXPECT_EQ(history, run(rope(said, ""), "transient").results["history"]["displacement_m"]);
+  // Held: it does not follow the body's velocity; between the ends the rope sags.
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(history["end"].back()[k].get<double>(), 0.0, 1e-12);
+  EXPECT_LT(history["middle"].back()[2].get<double>(), -1e-4);
+  try {
+    static_cast<void>(run(rope(unsaid, ""), "transient"));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("no section mbs whose body 'left'"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(AncfCommand, ElementSpectrumIsTheReferencesOne) {
   std::string link = kCantilever;
   const auto put = [&](const std::string& from, const std::string& to) {

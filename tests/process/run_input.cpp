@@ -203,6 +203,21 @@ TEST(Check, ShowsSizeAndMassThatRevealAWrongUnit) {
   }
 }
 
+// The bar's end face is the square of ±0.025 m at x = −0.25 m, the body's frame at x = −0.28 m: its
+// corners are √(0.03² + 2 × 0.025²) m away. A body that is moved along shows by as much.
+TEST(Check, MeasuresAPortFromWhereItsBodyStands) {
+  for (const auto& [x, distance] : std::vector<std::pair<const char*, const char*>>{
+           {"-0.28", "up to 0.0464 m"}, {"-1.25", "up to 1 m"}}) {
+    const Ended ended =
+        tandem_command({"check", kExamples + "two_masses/scenario.yaml", "--set",
+                        std::string("mbs.bodies.left.position_m=[") + x + ", 0, 0]"});
+    EXPECT_EQ(ended.code, 0) << ended.output;
+    EXPECT_NE(ended.output.find(std::string(distance) + " from its origin (" + x + ", 0, 0) m"),
+              std::string::npos)
+        << ended.output;
+  }
+}
+
 TEST(Check, TakesAScenarioForTheFlexibleSideAlone) {
   const Ended ended = tandem_command({"check", kExamples + "hinge/scenario.yaml"});
   EXPECT_EQ(ended.code, 0) << ended.output;
