@@ -44,6 +44,10 @@ Loads::Loads(const Params& params) {
                         .stiffness_N_per_m = spring.stiffness_N_per_m,
                         .damping_N_s_per_m = spring.damping_N_s_per_m,
                         .rest_length_m = spring.rest_length_m.value_or(length)});
+    data_.push_back({.name = spring.name,
+                     .stiffness = spring.stiffness_N_per_m,
+                     .damping = spring.damping_N_s_per_m,
+                     .body1 = body_index(params, spring.body1).value()});
   }
   for (const JointSpringParams& spring : params.joint_springs) {
     for (std::size_t j = 0; j < params.joints.size(); ++j) {
@@ -59,6 +63,11 @@ Loads::Loads(const Params& params) {
            .stiffness = spring.stiffness,
            .damping = spring.damping,
            .rest = spring.rest});
+      data_.push_back({.name = spring.name,
+                       .stiffness = spring.stiffness,
+                       .damping = spring.damping,
+                       .body1 = body1,
+                       .turns = joint.kind != JointKind::Slider});
     }
   }
   for (const ForceParams& force : params.forces) {
@@ -102,31 +111,59 @@ void Loads::add_spring(const Spring& spring, const State& state, std::vector<Bod
   add_pair(spring.end1, m1, spring.end2, m2, viscous, sorted.viscous);
 }
 
-void Loads::add_joint_spring(const JointSpring& spring, const State& state,
-                             std::vector<BodyWrench>& applied, SortedWrenches& sorted) const {
+double Loads::rate_of(const JointSpring& spring, const State& state) {
   const BodyState& body1 = state.bodies[spring.body1];
   const BodyState other = spring.body2 ? state.bodies[*spring.body2] : BodyState{};
   const Eigen::Vector3d axis = body1.q_WB * spring.axis_B1;
-  // The effort pair meets at the centre of body1: a slider lets no other relative motion pass.
+  // A slider's pair meets at the centre of body1: it lets no other relative motion pass.
   const Eigen::Vector3d r2 = body1.p_WB - other.p_WB;
-  const Eigen::Vector3d rate = spring.slider
-                                   ? Eigen::Vector3d(body1.v_WB - other.v_WB - other.w_WB.cross(r2))
-                                   : Eigen::Vector3d(body1.w_WB - other.w_WB);
-  const double viscous = -spring.damping * axis.dot(rate);
+  return axis.dot(spring.slider ? Eigen::Vector3d(body1.v_WB - other.v_WB - other.w_WB.cross(r2))
+                                : Eigen::Vector3d(body1.w_WB - other.w_WB));
+}
+
+void Loads::add_effort_on_body1(const JointSpring& spring, double effort, const State& state,
+                                std::vector<BodyWrench>& to) {
+  const BodyState& body1 = state.bodies[spring.body1];
+  const Eigen::Vector3d axis = body1.q_WB * spring.axis_B1;
+  if (spring.slider) {
+    to[spring.body1].f_B_W += effort * axis;
+    if (!spring.body2) return;
+    to[*spring.body2].add_at(body1.p_WB - state.bodies[*spring.body2].p_WB, -effort * axis);
+  } else {
+    to[spring.body1].t_B_W += effort * axis;
+    if (spring.body2) to[*spring.body2].t_B_W -= effort * axis;
+  }
+}
+
+void Loads::add_joint_spring(const JointSpring& spring, const State& state,
+                             std::vector<BodyWrench>& applied, SortedWrenches& sorted) const {
+  const double viscous = -spring.damping * rate_of(spring, state);
   const double elastic =
       -spring.stiffness * (state.joint_coordinates[spring.joint][0] - spring.rest);
-  const auto add_effort = [&](double effort, std::vector<BodyWrench>& to) {
-    if (spring.slider) {
-      to[spring.body1].f_B_W += effort * axis;
-      if (spring.body2) to[*spring.body2].add_at(r2, -effort * axis);
-    } else {
-      to[spring.body1].t_B_W += effort * axis;
-      if (spring.body2) to[*spring.body2].t_B_W -= effort * axis;
-    }
-  };
-  add_effort(elastic + viscous, applied);
-  add_effort(elastic, sorted.elastic);
-  add_effort(viscous, sorted.viscous);
+  add_effort_on_body1(spring, elastic + viscous, state, applied);
+  add_effort_on_body1(spring, elastic, state, sorted.elastic);
+  add_effort_on_body1(spring, viscous, state, sorted.viscous);
+}
+
+void Loads::add_effort(std::size_t i, double effort, const State& state,
+                       std::vector<BodyWrench>& applied) const {
+  if (i >= springs_.size()) {
+    add_effort_on_body1(joint_springs_[i - springs_.size()], -effort, state, applied);
+    return;
+  }
+  const Spring& spring = springs_[i];
+  const AnchorMotion m1 = motion_of(spring.end1, state);
+  const AnchorMotion m2 = motion_of(spring.end2, state);
+  const Eigen::Vector3d d = m2.p_WA - m1.p_WA;
+  add_pair(spring.end1, m1, spring.end2, m2, effort * direction_of(d, d.norm()), applied);
+}
+
+double Loads::rate(std::size_t i, const State& state) const {
+  if (i >= springs_.size()) return rate_of(joint_springs_[i - springs_.size()], state);
+  const AnchorMotion m1 = motion_of(springs_[i].end1, state);
+  const AnchorMotion m2 = motion_of(springs_[i].end2, state);
+  const Eigen::Vector3d d = m2.p_WA - m1.p_WA;
+  return direction_of(d, d.norm()).dot(m2.v_WA - m1.v_WA);
 }
 
 double Loads::spring_energy_J(const State& state) const {

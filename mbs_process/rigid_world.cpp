@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "mbs_process/port_jacobian.h"
+#include "mbs_process/spring_stability.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::mbs {
@@ -17,6 +18,32 @@ Params checked(Params params) {
   return params;
 }
 
+bool all_finite(const BodyState& body) {
+  return body.p_WB.allFinite() && body.q_WB.coeffs().allFinite() && body.v_WB.allFinite() &&
+         body.w_WB.allFinite();
+}
+
+/// Faster than light, or no number: unstable long before the numbers overflow.
+bool out_of_bounds(const BodyState& body) {
+  constexpr double kMost = 3e8;
+  return !all_finite(body) || body.v_WB.norm() > kMost || body.w_WB.norm() > kMost;
+}
+
+std::string at_time(SimTime t) { return " at t = " + std::to_string(to_seconds(t)) + " s"; }
+
+/// The body that moves fastest, or one that does not move by numbers.
+std::size_t fastest(const std::vector<BodyState>& bodies) {
+  const auto speed = [&](std::size_t i) { return bodies[i].v_WB.norm() + bodies[i].w_WB.norm(); };
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!all_finite(bodies[i])) return i;
+    if (speed(i) > speed(found)) found = i;
+  }
+  return found;
+}
+
+}  // namespace
+
 State initial_state(const Params& params) {
   State state;
   for (const BodyParams& body : params.bodies) {
@@ -25,15 +52,6 @@ State initial_state(const Params& params) {
   state.joint_coordinates.assign(params.joints.size(), {0.0, 0.0});
   return state;
 }
-
-bool all_finite(const BodyState& body) {
-  return body.p_WB.allFinite() && body.q_WB.coeffs().allFinite() && body.v_WB.allFinite() &&
-         body.w_WB.allFinite();
-}
-
-std::string at_time(SimTime t) { return " at t = " + std::to_string(to_seconds(t)) + " s"; }
-
-}  // namespace
 
 RigidWorld::RigidWorld(Params params)
     : params_(checked(std::move(params))),
@@ -170,6 +188,7 @@ std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTim
   StepWork work;
   StepWork* const booked = booking == Booking::On ? &work : nullptr;
   if (booked != nullptr) work.stored_change_J = -loads_.spring_energy_J(state);
+  const std::vector<BodyState> begin = state.bodies;
   try {
     if (params_.integrator == IntegratorKind::Verlet) {
       verlet_step(state, h_s, wrenches, booked);
@@ -177,21 +196,27 @@ std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTim
       euler_step(state, h_s, wrenches.end, booked);
     }
   } catch (const OdeFault& fault) {
+    const std::size_t body = fastest(begin);
+    if (out_of_bounds(begin[body])) return grown(body, state.time);
     return "mbs: " + std::string(fault.what()) + at_time(state.time) +
            ". Shorten the step, check masses and positions, or raise mbs.cfm where joints "
            "constrain the same motion twice.";
   }
-  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-    if (all_finite(state.bodies[i])) continue;
-    return "mbs: the motion of body '" + params_.bodies[i].name + "' is not finite" +
-           at_time(state.time + h) + ". Shorten the step or check the loads on it.";
-  }
+  const std::size_t body = fastest(state.bodies);
+  if (out_of_bounds(state.bodies[body])) return grown(body, state.time + h);
   if (booked != nullptr) {
     work.stored_change_J += loads_.spring_energy_J(state);
     work.book(state.book);
   }
   state.time += h;
   return std::nullopt;
+}
+
+std::string RigidWorld::grown(std::size_t body, SimTime t) const {
+  const std::string what = "mbs: the motion of body '" + params_.bodies[body].name +
+                           "' has grown beyond all bounds" + at_time(t) + ". ";
+  const auto springs = spring_warning(params_);
+  return what + springs.value_or("Shorten the step or check the loads on it.");
 }
 
 void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches, StepWork* work) {

@@ -14,6 +14,9 @@
 
 namespace tandem::mbs {
 
+/// The bodies as `params` places and moves them at t = 0.
+[[nodiscard]] State initial_state(const Params& params);
+
 /// The multibody side: rigid bodies and joints on ODE, with ports that wrenches act at.
 ///
 /// A port frame P is fixed in its body's frame B:
@@ -76,6 +79,9 @@ class RigidWorld final : public MbsSide {
   std::optional<std::string> integrate_micro_step(State& state, SimTime h,
                                                   const Segment<WrenchSet>& wrenches,
                                                   Booking booking);
+  /// Why the run cannot go on: a body's motion that no mechanism makes, and the springs' part in
+  /// it.
+  [[nodiscard]] std::string grown(std::size_t body, SimTime t) const;
   /// The poses, velocities and works at the end of a micro step; throws OdeFault.
   void euler_step(State& state, double h_s, const WrenchSet& wrenches, StepWork* work);
   void verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches, StepWork* work);

@@ -14,6 +14,8 @@
 #include "fem_process/flexible_side.h"
 #include "fem_process/highest_frequency.h"
 #include "fem_process/tet10.h"
+#include "mbs_process/make_side.h"
+#include "mbs_process/spring_stability.h"
 #include "orchestrator/commands.h"
 #include "orchestrator/model.h"
 #include "orchestrator/nodal_scenario.h"
@@ -119,7 +121,7 @@ std::string check_flexible(const std::string& file, const scenario::Node& root) 
 
 std::string check_coupled(const ScenarioOptions& options) {
   const Model model = options.load();
-  const auto mbs = make_mbs(model, {});
+  const auto mbs = mbs::make_side(model.scenario.root, {});
   const auto fem = make_fem(model, {});
   std::string text =
       fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
@@ -134,6 +136,9 @@ std::string check_coupled(const ScenarioOptions& options) {
           "  note: with mbs.micro_step_s or mbs.integrator: verlet, explicit_serial is unstable at "
           "every step unless damping outweighs it; use interface_jacobian\n";
     }
+  }
+  if (const auto warning = mbs::spring_warning(mbs->params())) {
+    text += "  warning: " + *warning + "\n";
   }
   if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {
     fem::ancf::check_overlap(beams->params(), mbs->initialize(WrenchSet(model.port_names.size())));

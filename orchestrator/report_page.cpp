@@ -10,6 +10,7 @@
 
 #include "orchestrator/csv_table.h"
 #include "orchestrator/run_directory.h"
+#include "orchestrator/summary_number.h"
 #include "orchestrator/svg_plot.h"
 #include "protocol/contract/error.h"
 
@@ -152,7 +153,7 @@ std::string summary_table(const std::vector<ReportedRun>& runs) {
                    s.value("macro_steps", std::int64_t{0}), s.value("simulated_s", 0.0),
                    s.value("wall_s", 0.0), s.value("realtime_ratio", 0.0),
                    s.value("iterations", none).value("mean", 0.0),
-                   s.value("energy_J", none).value("interface_defect_sum", 0.0),
+                   number_at(s.value("energy_J", none), "interface_defect_sum"),
                    s.value("state_hash", ""));
     const auto message = s.value("message", "");
     if (!message.empty()) {

@@ -6,10 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "mbs_process/make_side.h"
+#include "mbs_process/spring_stability.h"
 #include "orchestrator/commands.h"
 #include "orchestrator/run.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_options.h"
+#include "orchestrator/summary_number.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::orchestrator {
@@ -29,7 +32,7 @@ std::string outcome_line(const nlohmann::ordered_json& s) {
 
 /// The balance of both sides together, all terms booked.
 std::string balance_line(const nlohmann::ordered_json& energy) {
-  const auto value = [&](const char* key) { return energy.at(key).get<double>(); };
+  const auto value = [&](const char* key) { return number_at(energy, key); };
   return fmt::format(
       "energy: {:.6g} J {:+.4g} external {:+.4g} interface {:+.4g} damping {:+.4g} numerical = "
       "{:.6g} J, balance error {:.2g} J",
@@ -67,7 +70,17 @@ struct RunCommand {
     const RunOutcome outcome =
         run_model(model, directory, {.mode = mode(), .silent = quiet, .attach = attach});
     report(outcome, directory);
+    if (outcome.exit_code == 3) note_springs(model, outcome);
     return outcome.exit_code;
+  }
+
+  /// What springs make unstable, the coupling's own monitors may notice first and blame on
+  /// themselves.
+  static void note_springs(const Model& model, const RunOutcome& outcome) {
+    const auto warning = mbs::spring_warning(mbs::make_side(model.scenario.root, {})->params());
+    const auto message = outcome.summary.at("message").get<std::string>();
+    if (!warning || message.find(*warning) != std::string::npos) return;
+    std::fprintf(stderr, "note: the multibody side is unstable by itself: %s\n", warning->c_str());
   }
 
   static void report(const RunOutcome& outcome, const RunDirectory& directory) {

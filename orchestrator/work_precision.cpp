@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "orchestrator/compare.h"
+#include "orchestrator/summary_number.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::orchestrator {
@@ -57,8 +58,8 @@ PrecisionRow measure(const Model& model, const std::string& scheme, Mode mode,
     row.macro_steps = s.at("macro_steps").get<std::int64_t>();
     row.round_trips = s.at("iterations").at("total").get<std::int64_t>();
     row.iterations_mean = s.at("iterations").at("mean").get<double>();
-    row.defect_max_J = s.at("energy_J").at("interface_defect_max").get<double>();
-    row.defect_sum_J = s.at("energy_J").at("interface_defect_sum").get<double>();
+    row.defect_max_J = number_at(s.at("energy_J"), "interface_defect_max");
+    row.defect_sum_J = number_at(s.at("energy_J"), "interface_defect_sum");
     wall_s.push_back(s.at("wall_s").get<double>());
   }
   row.wall_s = median(wall_s);

@@ -1,6 +1,7 @@
 # Tests of mbs, one executable a line.
 tandem_test(test_mbs
   SOURCES unit/mbs_energy_test.cpp unit/mbs_keys_test.cpp unit/mbs_motion_test.cpp unit/mbs_params_test.cpp
+    unit/mbs_springs_test.cpp
   LIBS mbs
   LABELS unit)
 tandem_test(test_mbs_contract

@@ -218,6 +218,30 @@ TEST(Check, MeasuresAPortFromWhereItsBodyStands) {
   }
 }
 
+// 1e8 N/m on 2 kg at 1 ms: h² k/m = 50, as explicit springs cannot follow. The coupling's monitor
+// stops the run first; the note says whose fault it is.
+TEST(Check, WarnsOfASpringThatTheStepCannotFollow) {
+  const TemporaryFolder folder("tandem_spring");
+  const std::string spring =
+      "mbs.springs=[{name: stay, body1: left, point1_m: [-0.28, 0, 0], point2_m: [-1, 0, 0], "
+      "stiffness_N_per_m: 1e8}]";
+  const std::string scenario = kExamples + "two_masses/scenario.yaml";
+  const Ended checked = tandem_command({"check", scenario, "--set", spring});
+  EXPECT_EQ(checked.code, 0) << checked.output;
+  EXPECT_NE(checked.output.find("warning: spring 'stay' is too stiff"), std::string::npos)
+      << checked.output;
+  EXPECT_NE(checked.output.find("Set mbs.micro_step_s below 0.00028"), std::string::npos)
+      << checked.output;
+  const std::vector<std::string> command =
+      run_of("two_masses", folder / "run", {"--transport", "inproc", "--set", spring});
+  const Ended run = run_command(command);
+  EXPECT_EQ(run.code, 3) << run.output;
+  EXPECT_NE(run.output.find("spring 'stay' is too stiff"), std::string::npos) << run.output;
+  const Ended finer =
+      tandem_command({"check", scenario, "--set", spring, "--set", "mbs.micro_step_s=0.0002"});
+  EXPECT_EQ(finer.output.find("warning"), std::string::npos) << finer.output;
+}
+
 TEST(Check, TakesAScenarioForTheFlexibleSideAlone) {
   const Ended ended = tandem_command({"check", kExamples + "hinge/scenario.yaml"});
   EXPECT_EQ(ended.code, 0) << ended.output;
