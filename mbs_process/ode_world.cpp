@@ -174,6 +174,24 @@ void set_parameter(dJointID joint, int axis, int parameter, double value) {
   }
 }
 
+/// Balls and fixed joints, and the suspension of a hinge2, take over the world's erp when they are
+/// made; the others ask the world in every step.
+void set_erp(dJointID joint, double erp) {
+  switch (dJointGetType(joint)) {
+    case dJointTypeBall:
+      dJointSetBallParam(joint, dParamERP, erp);
+      break;
+    case dJointTypeFixed:
+      dJointSetFixedParam(joint, dParamERP, erp);
+      break;
+    case dJointTypeHinge2:
+      dJointSetHinge2Param(joint, dParamSuspensionERP, erp);
+      break;
+    default:
+      break;
+  }
+}
+
 void set_limits_and_motor(dJointID joint, const JointParams& params) {
   for (const LimitParams& limit : params.limits) {
     // ODE refuses a stop that would reverse the range at the moment of the call, so the upper one
@@ -265,6 +283,7 @@ void OdeWorld::step(double h_s, const std::vector<BodyWrench>& applied, double s
   const Eigen::Vector3d g = share * gravity_m_per_s2_;
   dWorldSetGravity(impl_->world.get(), g.x(), g.y(), g.z());
   dWorldSetERP(impl_->world.get(), erp);
+  for (dJointID joint : impl_->joints) set_erp(joint, erp);
   for (std::size_t i = 0; i < applied.size(); ++i) {
     const Eigen::Vector3d f = share * applied[i].f_B_W;
     const Eigen::Vector3d t = share * applied[i].t_B_W;
