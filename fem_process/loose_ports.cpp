@@ -19,6 +19,17 @@ Vector12 part(const Eigen::VectorXd& all, std::size_t k) {
 
 Eigen::Matrix3d rotation_of(const Motion& motion) { return motion.q_WP.toRotationMatrix(); }
 
+/// As if the coordinates were nodes', for the integrator; there are no positions.
+State as_state(const RateHistory& rates) {
+  State state;
+  state.x = Eigen::VectorXd::Zero(rates.v.size());
+  state.v = rates.v;
+  state.a = rates.a;
+  state.acceleration = rates.acceleration;
+  state.a_mean = rates.a_mean;
+  return state;
+}
+
 }  // namespace
 
 Eigen::VectorXd solve_equilibrated(const Eigen::MatrixXd& G, const Eigen::VectorXd& b) {
@@ -103,23 +114,58 @@ Eigen::MatrixXd LoosePorts::coordinates_of(const Eigen::MatrixXd& columns) const
   return q;
 }
 
-void LoosePorts::prescribe(const StepMap& map, const MotionSet& end, Eigen::VectorXd& d,
-                           Eigen::VectorXd& a) const {
-  for (const auto& [index, average, bushing] : ports_) {
+RateHistory LoosePorts::rigid_start(const MotionSet& motions) const {
+  RateHistory start{.v = Eigen::VectorXd(size()), .a = Eigen::VectorXd(size())};
+  for (std::size_t k = 0; k < ports_.size(); ++k) {
+    const Motion& motion = motions[ports_[k].index];
+    const Vector12 rates = rigid_rates(ports_[k].average, motion);
+    const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
+    start.v.segment<12>(row) = rates;
+    start.a.segment<12>(row) = rates;
+    start.a.segment<3>(row) -= motion.v_WP;
+    for (Eigen::Index j = row; j < row + 12; j += 3) {
+      start.a.segment<3>(j) = motion.w_WP.cross(Eigen::Vector3d(start.a.segment<3>(j)));
+    }
+  }
+  start.a_mean = start.acceleration = start.a;
+  return start;
+}
+
+LoosePorts::RigidStep LoosePorts::rigid_step(const Integrator& integrator, const State& begin,
+                                             double h_s) const {
+  return {.map = integrator.map(as_state(begin.rigid), h_s),
+          .lag = coordinates(begin.v) - begin.rigid.v};
+}
+
+RateHistory kept_rates(const Integrator& integrator, const RateHistory& begin,
+                       const LoosePorts::Rates& rates, double h_s) {
+  State after;
+  integrator.keep(as_state(begin), rates.v, rates.a, h_s, after);
+  return {.v = rates.v, .a = after.a, .acceleration = after.acceleration, .a_mean = after.a_mean};
+}
+
+LoosePorts::Rates LoosePorts::prescribe(const StepMap& map, const RigidStep& rigid,
+                                        const MotionSet& end, Eigen::VectorXd& d,
+                                        Eigen::VectorXd& a) const {
+  Rates rates{Eigen::VectorXd(size()), rigid.map.a_hat};
+  for (std::size_t k = 0; k < ports_.size(); ++k) {
+    const auto& [index, average, bushing] = ports_[k];
+    const Vector12 rho = rigid_rates(average, end[index]);
+    const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
+    rates.v.segment<12>(row) = rho;
+    rates.a.segment<12>(row) += map.c_a * rho;
     if (bushing) continue;
-    const Motion& motion = end[index];
-    const Eigen::Matrix3d R = rotation_of(motion);
-    const Vector12 rates = rigid_rates(average, motion);
-    const Vector12 lacking_a = average.coordinates(map.a_hat_prescribed) -
-                               average.coordinates(map.a_hat) +
-                               (map.c_a_prescribed - map.c_a) * rates;
+    const Eigen::Matrix3d R = rotation_of(end[index]);
+    const Vector12 lacking_a =
+        part(rigid.map.a_hat_prescribed, k) + map.c_a_prescribed * rho - part(rates.a, k);
     average.add_rigid_part(R, lacking_a, 1.0, a);
-    if (!map.prescribed_position) continue;
-    const Vector12 lacking_d = rigid_coordinates(average, motion) -
+    rates.a.segment<12>(row) += average.rigid_part(R, lacking_a);
+    const Vector12 lacking_d = rigid_coordinates(average, end[index]) -
                                average.coordinates(map.x_tilde) - average.coordinates(map.d_hat) -
-                               map.c_x * rates;
+                               map.c_x * (rho + part(rigid.lag, k));
     average.add_rigid_part(R, lacking_d, 1.0, d);
   }
+  return rates;
 }
 
 void LoosePorts::follow(const MotionSet& end, Eigen::VectorXd& x) const {

@@ -11,6 +11,7 @@
 #include "fem_process/node_average.h"
 #include "fem_process/port_arms.h"
 #include "fem_process/port_relation.h"
+#include "fem_process/state.h"
 #include "protocol/contract/port.h"
 
 namespace tandem::fem {
@@ -23,7 +24,9 @@ namespace tandem::fem {
 /// with φ by Y, q by c_x Y, so the relations are left in 12 unknowns per port.
 ///
 /// The rigid part of an averaging port's nodes enters a step as the nodes of a rigid port do: d and
-/// a by prescribe(), v by the relation, x by follow().
+/// a by prescribe(), v by the relation, x by follow(). Deformed nodes turn at other velocities than
+/// the undeformed set would, by δ = (nodes' rates) − ρ with ρ of rigid_rates(): ρ has the
+/// accelerations of prescribed nodes, δ those of free ones.
 class LoosePorts {
  public:
   LoosePorts(const Model& model, const PortArms& arms);
@@ -47,10 +50,26 @@ class LoosePorts {
   /// Nᵀ of columns over the free nodes.
   [[nodiscard]] Eigen::MatrixXd coordinates_of(const Eigen::MatrixXd& columns) const;
 
+  /// ρ of ports at constant twist and its rates, with which a body starts.
+  [[nodiscard]] RateHistory rigid_start(const MotionSet& motions) const;
+  /// What a step knows of ρ and δ before it is made.
+  struct RigidStep {
+    StepMap map;          ///< of ρ
+    Eigen::VectorXd lag;  ///< δ at the beginning of the step
+  };
+  /// Linear in the state's v and rigid, so that it carries derivatives as well.
+  [[nodiscard]] RigidStep rigid_step(const Integrator& integrator, const State& begin,
+                                     double h_s) const;
+  struct Rates {
+    Eigen::VectorXd v;
+    Eigen::VectorXd a;
+  };
   /// Gives the rigid part of an averaging port's nodes the displacements and accelerations of
-  /// prescribed nodes: adds to d and a what the step's maps lack of them.
-  void prescribe(const StepMap& map, const MotionSet& end, Eigen::VectorXd& d,
-                 Eigen::VectorXd& a) const;
+  /// prescribed nodes: adds to d and a what the step's maps lack of them. δ at the beginning of the
+  /// step stands for δ at its end there: the force of the difference is of second order. Returns ρ
+  /// and its rates at the end of the step.
+  Rates prescribe(const StepMap& map, const RigidStep& rigid, const MotionSet& end,
+                  Eigen::VectorXd& d, Eigen::VectorXd& a) const;
   /// Puts the rigid part of an averaging port's nodes where the port is.
   void follow(const MotionSet& end, Eigen::VectorXd& x) const;
   /// Gives the nodes of averaging ports the port's rigid velocity field.
@@ -97,6 +116,10 @@ class LoosePorts {
 [[nodiscard]] Vector12 rigid_coordinates(const NodeAverage& average, const Motion& motion);
 /// Their rates with the port.
 [[nodiscard]] Vector12 rigid_rates(const NodeAverage& average, const Motion& motion);
+
+/// What the next steps need of ρ. Linear in all arguments.
+[[nodiscard]] RateHistory kept_rates(const Integrator& integrator, const RateHistory& begin,
+                                     const LoosePorts::Rates& rates, double h_s);
 
 /// Solves G x = b with the rows brought to one size: they have different units.
 [[nodiscard]] Eigen::VectorXd solve_equilibrated(const Eigen::MatrixXd& G,

@@ -69,33 +69,43 @@ void LooseTangent::add_rigid_part(const NodeAverage& average, const Eigen::Matri
   }
 }
 
-void LooseTangent::prescribe(const StepMap& map, const StepMap* d_map, const Change& change,
-                             Eigen::VectorXd& dd, Eigen::VectorXd& da) const {
-  for (const auto& [index, average, bushing] : ports_.ports()) {
-    if (bushing) continue;
+LoosePorts::Rates LooseTangent::prescribe(const StepMap& map, const LoosePorts::RigidStep& rigid,
+                                          const StepMap* d_map,
+                                          const LoosePorts::RigidStep* d_rigid,
+                                          const Change& change, Eigen::VectorXd& dd,
+                                          Eigen::VectorXd& da) const {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(ports_.size());
+  LoosePorts::Rates rates{zero, d_rigid != nullptr ? d_rigid->map.a_hat : zero};
+  for (std::size_t k = 0; k < ports_.ports().size(); ++k) {
+    const auto& [index, average, bushing] = ports_.ports()[k];
     const Motion& motion = end_[index];
     const Vector12 own = change_of(change, index);
     const Eigen::Vector3d turn = own.segment<3>(3);
     const Eigen::Matrix3d R = motion.q_WP.toRotationMatrix();
-    const Vector12 rates = rigid_rates(average, motion);
-    const Vector12 d_rates = d_rigid_rates(average, motion, own);
+    const Vector12 rho = rigid_rates(average, motion);
+    const Vector12 d_rho = d_rigid_rates(average, motion, own);
+    const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
+    rates.v.segment<12>(row) = d_rho;
+    rates.a.segment<12>(row) += map.c_a * d_rho;
+    if (bushing) continue;
     const double excess = map.c_a_prescribed - map.c_a;
     const Vector12 a =
-        average.coordinates(map.a_hat_prescribed) - average.coordinates(map.a_hat) + excess * rates;
-    Vector12 d_a = excess * d_rates;
+        part(rigid.map.a_hat_prescribed, k) - part(rigid.map.a_hat, k) + excess * rho;
+    const Vector12 d = rigid_coordinates(average, motion) - average.coordinates(map.x_tilde) -
+                       average.coordinates(map.d_hat) - map.c_x * (rho + part(rigid.lag, k));
+    Vector12 d_a = map.c_a_prescribed * d_rho - part(rates.a, k);
+    Vector12 d_d = d_rigid_coordinates(average, motion, own) - map.c_x * d_rho;
     if (d_map != nullptr) {
-      d_a += average.coordinates(d_map->a_hat_prescribed) - average.coordinates(d_map->a_hat);
+      d_a += part(d_rigid->map.a_hat_prescribed, k);
+      d_d -= average.coordinates(d_map->x_tilde) + average.coordinates(d_map->d_hat) +
+             map.c_x * part(d_rigid->lag, k);
     }
     add_rigid_part(average, R, a, d_a, turn, da);
-    if (!map.prescribed_position) continue;
-    const Vector12 d = rigid_coordinates(average, motion) - average.coordinates(map.x_tilde) -
-                       average.coordinates(map.d_hat) - map.c_x * rates;
-    Vector12 d_d = d_rigid_coordinates(average, motion, own) - map.c_x * d_rates;
-    if (d_map != nullptr) {
-      d_d -= average.coordinates(d_map->x_tilde) + average.coordinates(d_map->d_hat);
-    }
+    rates.a.segment<12>(row) +=
+        average.rigid_part(R, d_a - turned(turn, a)) + turned(turn, average.rigid_part(R, a));
     add_rigid_part(average, R, d, d_d, turn, dd);
   }
+  return rates;
 }
 
 Eigen::VectorXd LooseTangent::correction(const Eigen::VectorXd& dx, const Eigen::VectorXd& dv,

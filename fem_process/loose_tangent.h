@@ -29,9 +29,11 @@ class LooseTangent {
     Vector12 motion;       ///< of its motion at the end of the step
   };
 
-  /// Derivative of LoosePorts::prescribe(), `d_map` that of the step's maps (null: they stay).
-  void prescribe(const StepMap& map, const StepMap* d_map, const Change& change,
-                 Eigen::VectorXd& dd, Eigen::VectorXd& da) const;
+  /// Derivative of LoosePorts::prescribe(), `d_map` and `d_rigid` those of what the step knows
+  /// beforehand (null: they stay).
+  LoosePorts::Rates prescribe(const StepMap& map, const LoosePorts::RigidStep& rigid,
+                              const StepMap* d_map, const LoosePorts::RigidStep* d_rigid,
+                              const Change& change, Eigen::VectorXd& dd, Eigen::VectorXd& da) const;
 
   /// δφ that closes the relations' derivatives, which have dx, dv (all nodes) and dφ so far.
   [[nodiscard]] Eigen::VectorXd correction(const Eigen::VectorXd& dx, const Eigen::VectorXd& dv,

@@ -76,14 +76,27 @@ void NodeAverage::add_rigid_field(const Eigen::Matrix3d& R, const Eigen::Vector3
   }
 }
 
-void NodeAverage::add_rigid_part(const Eigen::Matrix3d& R, const Vector12& eta, double scale,
-                                 Eigen::VectorXd& field) const {
+Eigen::Vector3d NodeAverage::turn_of(const Eigen::Matrix3d& R, const Vector12& eta) const {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d eta_P = R.transpose() * eta.segment<3>(3 * (k + 1));
     moment += Eigen::Vector3d::Unit(k).cross(eta_P);
   }
-  add_rigid_field(R, scale * eta.head<3>(), scale * (R * turn(moment)), field);
+  return R * turn(moment);
+}
+
+void NodeAverage::add_rigid_part(const Eigen::Matrix3d& R, const Vector12& eta, double scale,
+                                 Eigen::VectorXd& field) const {
+  add_rigid_field(R, scale * eta.head<3>(), scale * turn_of(R, eta), field);
+}
+
+Vector12 NodeAverage::rigid_part(const Eigen::Matrix3d& R, const Vector12& eta) const {
+  const Eigen::Vector3d omega = turn_of(R, eta);
+  Vector12 part = eta;
+  for (int k = 0; k < 3; ++k) {
+    part.segment<3>(3 * (k + 1)) = omega.cross(Eigen::Vector3d(R * inertia_.col(k)));
+  }
+  return part;
 }
 
 }  // namespace tandem::fem

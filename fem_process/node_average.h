@@ -55,6 +55,8 @@ class NodeAverage {
   /// `field`.
   void add_rigid_part(const Eigen::Matrix3d& R, const Vector12& eta, double scale,
                       Eigen::VectorXd& field) const;
+  /// The coordinates of that field.
+  [[nodiscard]] Vector12 rigid_part(const Eigen::Matrix3d& R, const Vector12& eta) const;
   /// Adds the field mean + ω × R r_i with the arms r_i from the centroid.
   void add_rigid_field(const Eigen::Matrix3d& R, const Eigen::Vector3d& mean,
                        const Eigen::Vector3d& omega, Eigen::VectorXd& field) const;
@@ -67,6 +69,8 @@ class NodeAverage {
   Eigen::Matrix3d inertia_ = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d inverse_turning_ = Eigen::Matrix3d::Zero();  ///< (tr(inertia) 1 − inertia)⁻¹
   bool collinear_ = false;
+  /// R ω of the rigid part of η.
+  [[nodiscard]] Eigen::Vector3d turn_of(const Eigen::Matrix3d& R, const Vector12& eta) const;
 };
 
 }  // namespace tandem::fem

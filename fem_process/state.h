@@ -12,6 +12,15 @@
 
 namespace tandem::fem {
 
+/// What a velocity field of 12 coordinates per averaging port or bushing leaves to the next steps,
+/// as v, a, acceleration and a_mean of State do for the nodes.
+struct RateHistory {
+  Eigen::VectorXd v;
+  Eigen::VectorXd a;
+  Eigen::VectorXd acceleration;
+  Eigen::VectorXd a_mean;
+};
+
 /// All that changes in a flexible body. A checkpoint is a copy of it. 3 numbers per node, in W.
 /// Backward Euler needs x and v alone; the other vectors are then empty.
 struct State {
@@ -28,6 +37,7 @@ struct State {
   EightVectors past;
   int past_next = 0;
   Eigen::VectorXd attached;  ///< forces φ of averaging ports and bushings, see LoosePorts
+  RateHistory rigid;         ///< of LoosePorts::rigid_rates(); empty with backward Euler
   double bushing_J = 0.0;    ///< strain energy of the bushings
   Boundary boundary;         ///< what is held, and forces by command
   EnergyBook book;           ///< works and losses since t = 0; its energies stay 0
@@ -49,7 +59,8 @@ struct State {
     StateHash hash;
     hash.add(static_cast<std::int64_t>(time.count()));
     for (const Eigen::VectorXd* values :
-         {&x, &v, &a, &acceleration, &a_mean, &force, &react, &attached}) {
+         {&x, &v, &a, &acceleration, &a_mean, &force, &react, &attached, &rigid.v, &rigid.a,
+          &rigid.acceleration, &rigid.a_mean}) {
       hash.add(std::span<const double>(values->data(), static_cast<std::size_t>(values->size())));
     }
     if (past.size() > 0) {

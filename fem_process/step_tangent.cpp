@@ -120,7 +120,13 @@ void StepTangent::prescribe_loose(const Motions& end, const Linearisation& kept,
   const bool started = direction.begin.x.size() > 0;
   const LooseTangent::Change change = change_of(end, column);
   direction.d_phi = Eigen::VectorXd::Zero(loose_.size());
-  loose.prescribe(kept.map, started ? &direction.map : nullptr, change, direction.dd, direction.da);
+  if (model_.integrator->keeps_history()) {
+    LoosePorts::RigidStep d_rigid;
+    if (started) d_rigid = loose_.rigid_step(*model_.integrator, direction.begin, kept.h_s);
+    direction.d_rigid =
+        loose.prescribe(kept.map, kept.rigid, started ? &direction.map : nullptr,
+                        started ? &d_rigid : nullptr, change, direction.dd, direction.da);
+  }
   const bool own = model_.ports[change.port].attachment.loose();
   direction.moves = direction.moves || (own && !change.motion.isZero(0.0));
 }
@@ -215,6 +221,11 @@ void StepTangent::finish(const Motions& end, const Motions& torque_pose,
     if (direction.begin.x.size() == 0) {
       const Eigen::VectorXd zero = Eigen::VectorXd::Zero(after.x.size());
       direction.begin.v = direction.begin.a = zero;
+      direction.begin.rigid.v = direction.begin.rigid.a = Eigen::VectorXd::Zero(loose_.size());
+    }
+    if (loose != nullptr) {
+      after.rigid =
+          kept_rates(*model_.integrator, direction.begin.rigid, direction.d_rigid, kept.h_s);
     }
     model_.integrator->keep(direction.begin, direction.dv, direction.da, kept.h_s, after);
   }

@@ -51,15 +51,16 @@ class StepTangent {
  private:
   /// What changes with one coordinate of one port's end motion.
   struct Direction {
-    State begin;              ///< derivative of the state before the micro step; empty: zero
-    StepMap map;              ///< derivative of the step's affine maps
-    Eigen::VectorXd dx;       ///< prescribed nodes: of x⁺
-    Eigen::VectorXd dv;       ///< of v⁺
-    Eigen::VectorXd dd;       ///< of x⁺ − x̃
-    Eigen::VectorXd da;       ///< of a⁺
-    Eigen::VectorXd d_phi;    ///< of the forces of averaging ports and bushings
-    Eigen::VectorXd turning;  ///< of f_int(x̃) + K(x̃) y at fixed y = β v⁺ + d
-    bool moves = false;       ///< false: nothing changes
+    State begin;                ///< derivative of the state before the micro step; empty: zero
+    StepMap map;                ///< derivative of the step's affine maps
+    Eigen::VectorXd dx;         ///< prescribed nodes: of x⁺
+    Eigen::VectorXd dv;         ///< of v⁺
+    Eigen::VectorXd dd;         ///< of x⁺ − x̃
+    Eigen::VectorXd da;         ///< of a⁺
+    LoosePorts::Rates d_rigid;  ///< of ρ and its rates, see LoosePorts
+    Eigen::VectorXd d_phi;      ///< of the forces of averaging ports and bushings
+    Eigen::VectorXd turning;    ///< of f_int(x̃) + K(x̃) y at fixed y = β v⁺ + d
+    bool moves = false;         ///< false: nothing changes
   };
   void prescribe(const Motions& end, const TransientStep::Result& result, const Linearisation& kept,
                  Eigen::Index column, Direction& direction) const;

@@ -45,6 +45,7 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   state.bushing_J = loose_.energy_J(motions, q);
   state.bushing_loss_W = bushing_loss_W(loose_, motions, q, loose_.coordinates(state.v));
   if (!model_.integrator->keeps_history()) return report;
+  state.rigid = loose_.rigid_start(motions);
   state.a_mean = state.a = a;
   if (!model_.integrator->averages_forces()) state.acceleration = std::move(a);
   return report;

@@ -123,6 +123,9 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
   kept.generation = begin.generation;
   kept.h_s = h_s;
   kept.map = model_.integrator->map(begin, h_s);
+  if (model_.integrator->keeps_history()) {
+    kept.rigid = loose_.rigid_step(*model_.integrator, begin, h_s);
+  }
   StepTimes times = linearise_at_tilde(kept);
   if (remembers()) {
     const double start_s = now_s();
@@ -274,6 +277,7 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
   Linearisation& again = *kept.corrected;
   again.h_s = kept.h_s;
   again.iterated = true;
+  again.rigid = kept.rigid;
   SolveReport total = result.report;
   double residual = 0.0;
   double limit = 0.0;
@@ -341,7 +345,10 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
-  loose_.prescribe(map, end, d, a);
+  if (model_.integrator->keeps_history()) {
+    const LoosePorts::Rates rates = loose_.prescribe(map, kept.rigid, end, d, a);
+    result.state.rigid = kept_rates(*model_.integrator, begin.rigid, rates, kept.h_s);
+  }
   result.state.attached = begin.attached;
   const Eigen::VectorXd commanded = commanded_forces(begin);
   const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time)) + commanded;

@@ -29,8 +29,9 @@ struct Linearisation {
   std::uint64_t generation = 0;  ///< of the state; 0 = none
   double h_s = 0.0;
   StepMap map;
-  Eigen::VectorXd f_int;  ///< at x̃ (N)
-  BlockValues K;          ///< at x̃ (N/m)
+  LoosePorts::RigidStep rigid;  ///< where the integrator keeps a history
+  Eigen::VectorXd f_int;        ///< at x̃ (N)
+  BlockValues K;                ///< at x̃ (N/m)
   int inverted_elements = 0;
   std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
   BlockValues S;                         ///< interior step matrix (kg/s)
