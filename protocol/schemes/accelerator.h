@@ -79,13 +79,14 @@ class QuasiNewton final : public Accelerator {
   void learn_jacobian();
 
   /// Evaluations of a macro step after which everything learnt is forgotten: columns that are
-  /// differences of round-off, or too old, can keep an iteration from converging.
+  /// differences of round-off, or too old, can keep an iteration from converging. Without a past
+  /// not before as many as an affine problem may need.
   static constexpr std::int32_t kPatience = 15;
 
   Kind kind_;
   std::int32_t reused_steps_;
   double filter_, first_factor_;
-  std::int32_t evaluations_ = 0;  ///< in this macro step
+  std::int32_t evaluations_ = 0;  ///< in this macro step, since it forgot
   Eigen::VectorXd weights_, x_, r_;
   Columns current_;
   std::vector<Columns> past_;  ///< accepted macro steps, oldest first

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "protocol/schemes/evaluation.h"
@@ -18,14 +20,17 @@ Eigen::VectorXd wrench_weights(const std::vector<PortInfo>& ports) {
   return weights;
 }
 
-/// Weights of differences of motions in motion_norm_m_per_s.
+/// Weights of differences of motions: those of motion_norm_m_per_s for velocities. Poses follow
+/// from velocities but for what the integrators make of them, and their rounding over H is far
+/// larger: at a weight of 1 it would hide what the last evaluations tell.
 Eigen::VectorXd motion_weights(const std::vector<PortInfo>& ports, double H_s) {
+  constexpr double kPose = 1e-3;
   Eigen::VectorXd weights(12 * static_cast<Eigen::Index>(ports.size()));
   for (std::size_t i = 0; i < ports.size(); ++i) {
     const auto row = 12 * static_cast<Eigen::Index>(i);
     const double length = ports[i].length_m;
-    weights.segment<3>(row).setConstant(1.0 / H_s);
-    weights.segment<3>(row + 3).setConstant(length / H_s);
+    weights.segment<3>(row).setConstant(kPose / H_s);
+    weights.segment<3>(row + 3).setConstant(kPose * length / H_s);
     weights.segment<3>(row + 6).setOnes();
     weights.segment<3>(row + 9).setConstant(length);
   }
@@ -42,6 +47,38 @@ double twist_norm_m_per_s(Eigen::VectorXd xi, const std::vector<PortInfo>& ports
 double twist_norm_m_per_s(const MotionSet& motions, const std::vector<PortInfo>& ports) {
   return twist_norm_m_per_s(difference(MotionSet(motions.size()), motions), ports);
 }
+
+/// What the rounding of motions makes of the wrenches that answer them: ε ‖m‖ times the largest
+/// ‖ΔΛ‖/‖Δm‖ of a macro step's evaluations. With short steps an inertia over H makes that more than
+/// a tolerance, and no iterate comes closer but by accident.
+class RoundOff {
+ public:
+  explicit RoundOff(const std::vector<PortInfo>& ports) : ports_(ports) {}
+
+  void observe(const MotionSet& motions, const WrenchSet& answer) {
+    if (!motions_.empty()) {
+      const double change = twist_norm_m_per_s(difference(motions_, motions), ports_);
+      // Smaller changes are round-off themselves.
+      if (change > 1e-9 * twist_norm_m_per_s(motions, ports_)) {
+        const Eigen::VectorXd gap = stack(answer) - stack(answer_);
+        gain_ = std::max(gain_, wrench_norm_N(unstack_wrenches(gap), ports_) / change);
+      }
+    }
+    motions_ = motions;
+    answer_ = answer;
+  }
+  /// In the residual norm. 16: an iterate's roundings, as a difference, a sum and a quotient.
+  [[nodiscard]] double size_N() const {
+    constexpr double kUnit = std::numeric_limits<double>::epsilon();
+    return 16.0 * kUnit * gain_ * twist_norm_m_per_s(motions_, ports_);
+  }
+
+ private:
+  const std::vector<PortInfo>& ports_;
+  MotionSet motions_;
+  WrenchSet answer_;
+  double gain_ = 0.0;  ///< kg/s
+};
 
 MacroStepEnd not_converged(MacroStepEnd end, const CouplingParams& params,
                            const std::string& residual) {
@@ -74,13 +111,15 @@ MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool acce
                                FemSide& fem) {
   WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
   accelerator_->begin_step(wrench_weights(ports_), accepted);
+  RoundOff round_off(ports_);
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
     const Evaluation evaluation = evaluate(H, state, lambda, {}, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (cannot_go_on(end)) return end;
     accelerator_->observe(stack(lambda), evaluation.residual);
-    const double limit_N = residual_limit_N(params_, evaluation);
+    round_off.observe(evaluation.motions, evaluation.wrenches);
+    const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
     if (end.residual_N <= limit_N) return end;
     if (k == params_.max_iterations) {
       return not_converged(
@@ -98,6 +137,7 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
   const Eigen::Index n_l = 6 * static_cast<Eigen::Index>(ports_.size());
   const Eigen::Index n_m = 2 * n_l;
   Eigen::VectorXd x(n_m + n_l), r(n_m + n_l);
+  RoundOff round_off(ports_);
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
     const Evaluation evaluation = evaluate_parallel(H, state, lambda, motions, mbs, fem, ports_);
@@ -114,8 +154,9 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
       if (size_m > 0.0 && end.residual_N > 0.0) weights.head(n_m) *= end.residual_N / size_m;
       accelerator_->begin_step(weights, accepted);
     }
+    round_off.observe(motions, evaluation.wrenches);
     accelerator_->observe(x, r);
-    const double limit_N = residual_limit_N(params_, evaluation);
+    const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
     const double residual_m_per_s = twist_norm_m_per_s(r.head(n_m), ports_);
     const double limit_m_per_s =
         params_.tolerance_m_per_s +

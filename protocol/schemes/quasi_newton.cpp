@@ -18,7 +18,10 @@ void QuasiNewton::begin_step(const Eigen::VectorXd& weights, bool last_accepted)
 }
 
 void QuasiNewton::observe(const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
-  if (++evaluations_ % kPatience == 0) {
+  const bool has_past = !past_.empty() || jacobian_.size() > 0;
+  const auto unknowns = static_cast<std::int32_t>(x.size());
+  if (++evaluations_ >= (has_past ? kPatience : std::max(kPatience, unknowns + 3))) {
+    evaluations_ = 0;
     current_.clear();
     past_.clear();
     jacobian_.resize(0, 0);
