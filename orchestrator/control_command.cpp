@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -39,6 +40,10 @@ struct ControlCommand {
     options.port = port;
     if (!run.empty()) {
       const RunDirectory directory = RunDirectory::open(run);
+      if (std::filesystem::exists(directory.summary())) {
+        throw Error(ErrorKind::Partner,
+                    "control: no run answers at " + run + ": it has ended, as its summary says.");
+      }
       std::ifstream stream(directory.bus());
       const auto bus = nlohmann::json::parse(stream, nullptr, false);
       require(!bus.is_discarded(),

@@ -17,19 +17,25 @@
 
 namespace {
 
-/// CLI11 says of a mistyped command only that one is required.
+/// CLI11 says of a mistyped command only that one is required. `argv` begins with the name of
+/// `app`.
 void require_known_command(const CLI::App& app, int argc, char** argv) {
   const std::string given = argc > 1 ? argv[1] : "--help";
+  if (given.starts_with('-')) return;
   std::vector<std::string> known;
   std::string list;
   for (const CLI::App* command : app.get_subcommands({})) {
     known.push_back(command->get_name());
     list += (list.empty() ? "" : ", ") + command->get_name();
   }
-  tandem::require(
-      given.starts_with('-') || std::find(known.begin(), known.end(), given) != known.end(),
-      "tandem: '" + given + "' is not a command." + tandem::scenario::did_you_mean(given, known) +
-          " Commands: " + list + ".");
+  tandem::require(std::find(known.begin(), known.end(), given) != known.end(),
+                  app.get_name() + ": '" + given + "' is not a command." +
+                      tandem::scenario::did_you_mean(given, known) + " Commands: " + list + ".");
+  const CLI::App& command = *app.get_subcommand(given);
+  const bool only_commands = command.get_options().size() == 1;  // --help
+  if (only_commands && !command.get_subcommands({}).empty()) {
+    require_known_command(command, argc - 1, argv + 1);
+  }
 }
 
 }  // namespace

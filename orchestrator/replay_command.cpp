@@ -67,12 +67,15 @@ void add_replay(CLI::App& app, int& exit_code) {
   sub->add_option("--transport", command->transport, "lcm: a side process; inproc: none")
       ->check(CLI::IsMember({"lcm", "inproc"}))
       ->capture_default_str();
-  sub->add_flag("--publish", command->publish, "Publish the log's events on LCM");
+  CLI::Option* publish =
+      sub->add_flag("--publish", command->publish, "Publish the log's events on LCM");
   sub->add_option("--speed", command->speed, "With --publish: 2 = twice as fast, 0 = no pauses")
       ->check(number_from_zero())
+      ->needs(publish)
       ->capture_default_str();
   sub->add_option("--url", command->url,
-                  "With --publish: LCM URL [LCM_DEFAULT_URL, else LCM's own]");
+                  "With --publish: LCM URL [LCM_DEFAULT_URL, else LCM's own]")
+      ->needs(publish);
   sub->footer(
       "Exit code 5 and the first differing step, port and component when a replay differs.");
   sub->callback([command, &exit_code] { exit_code = command->replay_command(); });

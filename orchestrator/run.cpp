@@ -43,6 +43,11 @@ std::string place_in_users_file(const Model& model, const Error& error) {
   return error.what();  // the model is good: the fault lies elsewhere, e.g. in the network
 }
 
+/// Names of files may hold bytes that are no UTF-8: replaced, since JSON has no place for them.
+std::string text_of(const ordered_json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+}
+
 /// The summary holds what the recorded macro steps tell.
 RunOutcome outcome_of_failure(const Model& model, Mode mode, int exit_code,
                               const std::string& message, const Recorder& recorder) {
@@ -64,7 +69,7 @@ void close(const RunOutcome& outcome, Recorder& recorder) {
   try {
     recorder.finish({.exit_code = outcome.exit_code,
                      .message = outcome.summary.at("message").get<std::string>(),
-                     .summary_json = outcome.summary.dump()});
+                     .summary_json = text_of(outcome.summary)});
     recorder.flush();
   } catch (const Error&) {
     return;  // a full disk must not hide why the run itself ended
@@ -107,7 +112,7 @@ RunOutcome run_model(const Model& model, const RunDirectory& directory, const Ru
     close(outcome, recorder);
   }
   try {
-    write_text_file(directory.summary(), outcome.summary.dump(2) + "\n");
+    write_text_file(directory.summary(), text_of(outcome.summary, 2) + "\n");
   } catch (const Error& error) {
     // A full disk must not hide why the run itself ended.
     if (outcome.exit_code == 0) {

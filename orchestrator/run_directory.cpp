@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <system_error>
 
+#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::orchestrator {
@@ -15,19 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A name that can be no folder is the user's fault (2); a disk that refuses is the machine's (4).
-ErrorKind kind_of(const std::error_code& error) {
-  for (const std::errc fault :
-       {std::errc::not_a_directory, std::errc::file_exists, std::errc::filename_too_long,
-        std::errc::invalid_argument, std::errc::no_such_file_or_directory,
-        std::errc::permission_denied, std::errc::operation_not_permitted}) {
-    if (error == fault) return ErrorKind::Usage;
-  }
-  return ErrorKind::System;
-}
-
 [[noreturn]] void refuse(const fs::path& path, const std::error_code& error) {
-  throw Error(kind_of(error),
+  throw Error(kind_of_output_fault(error),
               fmt::format("cannot create the run folder '{}': {}. Choose another with --out.",
                           path.string(), error.message()));
 }
@@ -81,7 +71,8 @@ fs::path RunDirectory::create_group(const std::optional<fs::path>& chosen,
                                     const std::string& scenario_name, const std::string& purpose) {
   const fs::path path =
       fs::absolute(chosen ? *chosen : default_folder(scenario_name, purpose + "-"));
-  if (holds(path, {purpose + ".json"})) {
+  // A run's own files must stay what its log was recorded with.
+  if (holds(path, {purpose + ".json", "scenario.yaml", "exchange.lcm"})) {
     throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds results. Name a new "
                                               "folder, or remove this one.",
                                               path.string()));

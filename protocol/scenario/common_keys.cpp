@@ -2,14 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "protocol/contract/error.h"
 
 namespace tandem::scenario {
 namespace {
 
 SimTime time_of(const Node& node, std::string_view key) {
+  const double seconds = node.real(key);
+  // Nanoseconds in 63 bits.
+  if (std::abs(seconds) > 9.2e9) {
+    node.fail(key, fmt::format("{:g} s is out of range. It must be below 9.2e9 s.", seconds));
+  }
   try {
-    return sim_time_from_seconds(node.real(key));
+    return sim_time_from_seconds(seconds);
   } catch (const Error& error) {
     node.fail(key, error.what());
   }

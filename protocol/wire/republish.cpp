@@ -13,6 +13,9 @@
 namespace tandem::wire {
 
 std::int64_t republish(LogReader& log, const std::string& url, double speed) {
+  require(url.empty() || url.find("://") != std::string::npos,
+          fmt::format("--url: '{}' is no LCM URL. Write one like udpm://239.255.76.67:7667?ttl=0.",
+                      url));
   const std::unique_ptr<lcm_t, decltype(&lcm_destroy)> lcm(
       lcm_create(url.empty() ? nullptr : url.c_str()), &lcm_destroy);
   if (!lcm) {

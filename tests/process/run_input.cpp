@@ -341,6 +341,9 @@ std::vector<Line> lines() {
       {"set_of_no_rotation",
        {"check", scenario, "--set", "mbs.bodies.0.orientation_wxyz=[0, 0, 0, 0]"},
        {"orientation_wxyz", "is all zeros"}},
+      {"set_of_ages",
+       {"check", scenario, "--set", "run.duration_s=1e300"},
+       {"run.duration_s: 1e+300 s is out of range. It must be below 9.2e9 s"}},
       {"check_without_scenario", {"check"}, {"SCENARIO is required", "--help"}},
       {"compare_without_scenario", {"compare"}, {"SCENARIO is required", "--help"}},
       {"compare_never", {"compare", scenario, "--repeat", "0"}, {"--repeat", "1 to 1000"}},
@@ -368,6 +371,10 @@ std::vector<Line> lines() {
       {"compare_unknown_scheme",
        {"compare", scenario, "--schemes", "foo", "--out", "FOLDER"},
        {"'foo' is not known", "explicit_serial"}},
+      {"bench_unknown", {"bench", "fme"}, {"'fme' is not a command", "Did you mean 'fem'?"}},
+      {"replay_speed_of_a_side",
+       {"replay", "FOLDER", "--side", "fem", "--speed", "2"},
+       {"--speed requires --publish"}},
       {"replay_without_run", {"replay"}, {"RUN is required", "--help"}},
       {"replay_of_no_run",
        {"replay", scenario, "--side", "fem"},
@@ -406,6 +413,44 @@ TEST(WrongCommandLines, ReplayWithoutSideAsksForOne) {
   const Ended again = run_command(run_of("two_masses", run));
   EXPECT_EQ(again.code, 2) << again.output;
   EXPECT_NE(again.output.find("already holds a run"), std::string::npos) << again.output;
+}
+
+// Commands on a run that has ended: nothing of it is written over, nothing is waited for.
+TEST(WrongCommandLines, LeaveAnEndedRunAsItIs) {
+  const TemporaryFolder folder("tandem_ended");
+  const auto run = folder / "run";
+  ASSERT_EQ(run_command(run_of("two_masses", run, {"--set", "run.duration_s=0.002"})).code, 0);
+  const std::string scenario = read_file(run / "scenario.yaml");
+  struct Refusal {
+    std::vector<std::string> arguments;
+    int code;
+    std::string words;
+  };
+  std::vector<Refusal> refusals = {
+      {{"replay", run.string(), "--publish", "--url", "nowhere"}, 2, "'nowhere' is no LCM URL"},
+      {{"report", run.string(), "--out", "/proc/page.html"}, 2, "Choose another place"},
+      {{"control", run.string(), "release", "left"}, 4, "it has ended"}};
+  for (const std::string command : {"fem", "compare", "advise"}) {
+    refusals.push_back({{command, kExamples + "two_masses/scenario.yaml", "--out", run.string()},
+                        2,
+                        "already holds results"});
+  }
+  for (const Refusal& refusal : refusals) {
+    const Ended ended = tandem_command(refusal.arguments);
+    EXPECT_EQ(ended.code, refusal.code) << ended.output;
+    EXPECT_NE(ended.output.find(refusal.words), std::string::npos) << ended.output;
+  }
+  EXPECT_EQ(read_file(run / "scenario.yaml"), scenario);
+}
+
+// A name need not be text; what is said of it must still reach the user.
+TEST(WrongCommandLines, AFileNameThatIsNoTextIsBadInput) {
+  const TemporaryFolder folder("tandem_bytes");
+  const Ended ended = run_command(
+      run_of("two_masses", folder / "run", {"--set", "fem.mesh.file=/nowhere/\xff.msh"}));
+  EXPECT_EQ(ended.code, 2) << ended.output;
+  EXPECT_NE(ended.output.find("/nowhere/\xff.msh"), std::string::npos) << ended.output;
+  EXPECT_EQ(summary_of(folder / "run").value("status", ""), "failed");
 }
 
 TEST(WrongCommandLines, SidesStartedByHandSayWhatTheyNeed) {

@@ -313,6 +313,21 @@ TEST_F(RunLogDamage, AChangedMeshIsRefused) {
       << replayed.output;
 }
 
+TEST_F(RunLogDamage, AMissingMeshIsToldAsMissing) {
+  const auto mesh = *folder_ / "gone.msh";
+  std::filesystem::copy_file(kExamples + "two_masses/bar.msh", mesh);
+  const auto run = *folder_ / "gone";
+  const Ended ended = run_command(
+      run_of("two_masses", run,
+             {"--set", "run.duration_s=0.01", "--set", "fem.mesh.file=" + mesh.string()}));
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  std::filesystem::remove(mesh);
+  const Ended replayed = replay(run);
+  EXPECT_EQ(replayed.code, 2) << replayed.output;
+  EXPECT_NE(replayed.output.find("gone.msh"), std::string::npos) << replayed.output;
+  EXPECT_EQ(replayed.output.find("checksum"), std::string::npos) << replayed.output;
+}
+
 TEST_F(RunLogDamage, ExportHasOneRowPerCall) {
   const auto csv = *folder_ / "export.csv";
   const Ended ended =
