@@ -99,6 +99,13 @@ struct RunCommand {
           "%lld macro step(s) NOT converged, and accepted as coupling.on_not_converged says\n",
           static_cast<long long>(not_converged));
     }
+    const auto beyond = s.value("steps_beyond_tolerance", std::int64_t{0});
+    if (beyond > 0) {
+      std::printf(
+          "%lld of %lld macro step(s) beyond coupling.adaptive.tolerance: they were the shortest. "
+          "Lower coupling.adaptive.min_step_s, or raise the tolerance.\n",
+          static_cast<long long>(beyond), s.at("macro_steps").get<long long>());
+    }
     std::printf("run folder: %s\n", directory.path().c_str());
   }
 };

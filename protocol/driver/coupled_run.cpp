@@ -132,7 +132,11 @@ class CoupledRun {
       H = controller_.step(params_.run.duration - state_.time);
       MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
       end.iterations += discarded_iterations;
-      if (controller_.accepts(H, end, state_)) return end;
+      if (controller_.accepts(H, end, state_)) {
+        const bool solved = end.outcome == Outcome::Done;
+        report_.steps_beyond_tolerance += solved && controller_.beyond_tolerance() ? 1 : 0;
+        return end;
+      }
       discarded_iterations = end.iterations;
       ++report_.rejected_steps;
       mbs_.rollback();

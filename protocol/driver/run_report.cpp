@@ -131,7 +131,10 @@ ordered_json to_json(const RunReport& r) {
                                                    : 0.0},
                         {"max", r.iterations_max}};
   json["not_converged_steps"] = r.not_converged_steps;
-  if (!r.broken_off) json["rejected_steps"] = r.rejected_steps;
+  if (!r.broken_off) {
+    json["rejected_steps"] = r.rejected_steps;
+    json["steps_beyond_tolerance"] = r.steps_beyond_tolerance;
+  }
   if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
   json["ledger_s"] = ledger_json(r.ledger);
   json["wire"] = {{"messages", r.ledger.messages},

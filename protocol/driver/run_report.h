@@ -22,7 +22,8 @@ enum class RunStatus { Done, NotConverged, Diverged, SolverFailed };
 struct RunReport {
   RunStatus status = RunStatus::Done;
   /// The driver could not end the run (interrupted, a process failed): what only the end tells is
-  /// not known, i.e. the sides' energies, the state's hash and the rejected steps.
+  /// not known, i.e. the sides' energies, the state's hash the rejected steps and
+  /// those beyond the tolerance.
   bool broken_off = false;
   std::string message;  ///< empty when Done; else cause, place and remedy
   std::string scheme;
@@ -33,6 +34,7 @@ struct RunReport {
   std::int64_t iterations_max = 0;
   std::int64_t not_converged_steps = 0;
   std::int64_t rejected_steps = 0;          ///< macro steps made again with a shorter one
+  std::int64_t steps_beyond_tolerance = 0;  ///< adaptive ones that could not be made shorter
   std::optional<double> parasitic_mass_kg;  ///< of the line at each port, with tlm
   Ledger ledger;
   std::vector<double>

@@ -34,6 +34,9 @@ class StepController {
   /// `begin` is the accepted interface at the beginning of the step.
   bool accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin);
 
+  /// Whether the step accepted last was beyond the tolerance: it could not be made shorter.
+  [[nodiscard]] bool beyond_tolerance() const { return last_error_ > 1.0; }
+
  private:
   [[nodiscard]] SimTime rounded(double step_ns) const;
   [[nodiscard]] double defect_W(SimTime H, const MacroStepEnd& end,
