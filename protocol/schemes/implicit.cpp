@@ -103,6 +103,7 @@ Implicit::Implicit(const CouplingParams& params, std::vector<PortInfo> ports)
 MacroStepEnd Implicit::advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) {
   const bool accepted = begun_ && state.time > *begun_;
   begun_ = state.time;
+  floor_.begin_step();
   if (params_.iteration == Iteration::Parallel) return in_parallel(H, state, accepted, mbs, fem);
   return in_turn(H, state, accepted, mbs, fem);
 }
@@ -120,7 +121,8 @@ MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool acce
     accelerator_->observe(stack(lambda), evaluation.residual);
     round_off.observe(evaluation.motions, evaluation.wrenches);
     const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
-    if (end.residual_N <= limit_N) return end;
+    const bool at_floor = floor_.reached(end.residual_N, evaluation.wrench_N);
+    if (end.residual_N <= limit_N || at_floor) return end;
     if (k == params_.max_iterations) {
       return not_converged(
           std::move(end), params_,
@@ -161,7 +163,9 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
     const double limit_m_per_s =
         params_.tolerance_m_per_s +
         params_.relative_tolerance * twist_norm_m_per_s(evaluation.motions, ports_);
-    if (end.residual_N <= limit_N && residual_m_per_s <= limit_m_per_s) return end;
+    const bool at_floor = floor_.reached(end.residual_N, evaluation.wrench_N);
+    const bool same_wrench = end.residual_N <= limit_N || at_floor;
+    if (same_wrench && residual_m_per_s <= limit_m_per_s) return end;
     if (k == params_.max_iterations) {
       return not_converged(std::move(end), params_,
                            fmt::format("‖r‖ = {:.3g} N, limit {:.3g} N, and {:.3g} m/s, limit "

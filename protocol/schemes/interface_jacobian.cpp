@@ -56,6 +56,7 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {
   WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
+  floor_.begin_step();
   Linearize linearize{.mbs = mbs_block_.begin_step(H), .fem = fem_block_.begin_step(H)};
   Eigen::PartialPivLU<Eigen::MatrixXd> newton_matrix;
   double round_off_N = 0.0;
@@ -80,7 +81,8 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
       round_off_N = wrench_round_off_N(evaluation.motions, fem_block_.value(), ports_);
     }
     const double limit_N = residual_limit_N(params_, evaluation) + round_off_N;
-    if (end.residual_N <= limit_N) return end;
+    const bool round_off = floor_.reached(end.residual_N, evaluation.wrench_N);
+    if (end.residual_N <= limit_N || round_off) return end;
     if (k == params_.max_iterations) return not_converged(std::move(end), limit_N);
     if (changed) {
       // r(λ + δ) ≈ r(λ) + (L B − I) δ = 0.

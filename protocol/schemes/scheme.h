@@ -12,6 +12,7 @@
 #include "protocol/schemes/jacobian_block.h"
 #include "protocol/schemes/macro_step.h"
 #include "protocol/schemes/prediction.h"
+#include "protocol/schemes/residual_floor.h"
 #include "protocol/schemes/retained_inertia.h"
 
 namespace tandem {
@@ -73,6 +74,7 @@ class Implicit final : public Scheme {
   std::vector<PortInfo> ports_;
   std::unique_ptr<Accelerator> accelerator_;
   std::optional<SimTime> begun_;  ///< beginning of the last macro step
+  ResidualFloor floor_{8};        // slow relaxation halves a residual in a few evaluations
 };
 
 /// Newton's method on r(λ) = Λ(M(λ)) − λ with both sides' interface Jacobians:
@@ -91,6 +93,7 @@ class InterfaceJacobianScheme final : public Scheme {
   CouplingParams params_;
   std::vector<PortInfo> ports_;
   JacobianBlock mbs_block_, fem_block_;
+  ResidualFloor floor_{1};
 };
 
 [[nodiscard]] std::unique_ptr<Scheme> make_scheme(const CouplingParams& params,

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocol/schemes/divergence_monitor.h"
+#include "protocol/schemes/residual_floor.h"
 #include "tests/support/split_oscillator.h"
 
 namespace tandem {
@@ -274,6 +275,30 @@ TEST(CoupledRun, LedgerBooksEverySideInItsColumnAndNoTimeTwice) {
   EXPECT_GE(report.ledger.other_s, 0.0);
   EXPECT_LE(report.ledger.discarded_s, report.ledger.mbs_compute_s + report.ledger.fem_compute_s);
   EXPECT_GT(report.ledger.scheme_s, 0.0);
+}
+
+// Residuals that waver at 1e-9 N beside wrenches of 100 N are round-off, and known as such in the
+// next macro step at its second evaluation; at 1e-7 N they are not.
+TEST(ResidualFloor, IsWhatResidualsWaverAt) {
+  ResidualFloor floor(1);
+  floor.begin_step();
+  EXPECT_FALSE(floor.reached(1.0, 100.0));
+  EXPECT_FALSE(floor.reached(1e-9, 100.0));
+  EXPECT_TRUE(floor.reached(1.2e-9, 100.0));
+  floor.begin_step();
+  EXPECT_FALSE(floor.reached(1e-9, 100.0));
+  EXPECT_TRUE(floor.reached(1.5e-9, 100.0));
+  ResidualFloor large(1);
+  large.begin_step();
+  for (int k = 0; k < 50; ++k) EXPECT_FALSE(large.reached(1e-7, 100.0));
+}
+
+// An iteration that goes on falling, if slowly, is not at its floor.
+TEST(ResidualFloor, IsNotReachedWhileResidualsFall) {
+  ResidualFloor floor(8);
+  floor.begin_step();
+  double residual_N = 1.0;
+  for (int k = 0; k < 200; ++k, residual_N *= 0.9) EXPECT_FALSE(floor.reached(residual_N, 100.0));
 }
 
 }  // namespace

@@ -1,0 +1,38 @@
+#include "protocol/schemes/residual_floor.h"
+
+#include <algorithm>
+
+namespace tandem {
+namespace {
+
+constexpr double kMostRoundOff = 1e-10;
+/// A residual that wavers reaches twice what it was seen at.
+constexpr double kWavering = 2.0;
+/// So that one odd macro step does not stay the measure of all.
+constexpr double kFading = 0.95;
+
+}  // namespace
+
+void ResidualFloor::begin_step() {
+  idle_ = 0;
+  smallest_N_ = scale_N_ = 0.0;
+  floor_N_ *= kFading;
+}
+
+bool ResidualFloor::reached(double residual_N, double wrench_N) {
+  scale_N_ = std::max({scale_N_, residual_N, wrench_N});
+  const bool first = smallest_N_ == 0.0;
+  if (first || residual_N < 0.5 * smallest_N_) {
+    idle_ = 0;
+    smallest_N_ = residual_N;
+  } else {
+    ++idle_;
+  }
+  if (residual_N > kMostRoundOff * scale_N_) return false;
+  if (residual_N <= floor_N_ && !first) return true;
+  if (idle_ < patience_ || residual_N > kWavering * smallest_N_) return false;
+  floor_N_ = std::max(floor_N_, kWavering * residual_N);
+  return true;
+}
+
+}  // namespace tandem

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+
+namespace tandem {
+
+/// Round-off of the residual as the iterations show it: from some size on it only wavers. A stiff
+/// side's own rounding, that of internal forces which cancel in its wrench, stands in no input and
+/// no derivative. What the residual wavered at is kept for the next macro steps, which then need no
+/// further evaluations to see it.
+///
+/// More than 1e-10 of the largest wrench or residual of the macro step is never taken for
+/// round-off.
+class ResidualFloor {
+ public:
+  /// `patience`: evaluations that do not halve the smallest residual of a macro step before it is
+  /// taken for round-off.
+  explicit ResidualFloor(std::int32_t patience) : patience_(patience) {}
+
+  void begin_step();
+  /// Whether the residual of the macro step's next evaluation is round-off. ‖Λ‖ is `wrench_N`.
+  [[nodiscard]] bool reached(double residual_N, double wrench_N);
+
+ private:
+  std::int32_t patience_;
+  std::int32_t idle_ = 0;    ///< evaluations since the smallest residual was halved
+  double smallest_N_ = 0.0;  ///< of the macro step; 0: none yet
+  double scale_N_ = 0.0;
+  double floor_N_ = 0.0;  ///< what macro steps wavered at
+};
+
+}  // namespace tandem
