@@ -1,4 +1,6 @@
 // Reading of the `mbs` section into Params; the table itself is in mbs_keys.cpp.
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "mbs_process/mbs_keys.h"
@@ -154,9 +156,8 @@ SimTime read_micro_step(const Node& mbs, SimTime macro_step) {
   }
   if (h.count() == 0) mbs.fail("micro_step_s", "is below 1 ns. Raise it.");
   if (macro_step % h != SimTime{}) {
-    mbs.fail("micro_step_s",
-             "run.macro_step_s is no whole multiple of it: " + std::to_string(macro_step.count()) +
-                 " ns and " + std::to_string(h.count()) + " ns.");
+    mbs.fail("micro_step_s", fmt::format("run.macro_step_s = {:g} is no whole multiple of {:g} s.",
+                                         to_seconds(macro_step), to_seconds(h)));
   }
   return h;
 }

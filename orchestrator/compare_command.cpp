@@ -30,6 +30,7 @@ struct CompareCommand {
   [[nodiscard]] Model load(const std::string& scheme) const {
     ScenarioOptions options = scenario;
     if (!scheme.empty()) options.scheme = scheme;
+    options.scheme_option = "--schemes";
     return options.load();
   }
   [[nodiscard]] std::filesystem::path new_folder() const {
@@ -62,8 +63,10 @@ struct CompareCommand {
                                        .folder = new_folder()};
     const auto load_step = [this](const std::string& scheme, double step_s, double tolerance) {
       CompareCommand stepped = *this;
-      stepped.scenario.sets.push_back(fmt::format("run.macro_step_s={}", step_s));
-      stepped.scenario.sets.push_back(fmt::format("coupling.adaptive.tolerance={}", tolerance));
+      const std::string step = fmt::format("{}", step_s);
+      const std::string bound = fmt::format("{}", tolerance);
+      stepped.scenario.changes = {{"run.macro_step_s", step, "--steps " + step},
+                                  {"coupling.adaptive.tolerance", bound, "--tolerances " + bound}};
       return stepped.load(scheme);
     };
     const WorkPrecision result = work_precision(load_step, options);

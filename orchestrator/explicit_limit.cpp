@@ -59,7 +59,7 @@ ExplicitLimit explicit_limit(const LoadTrial& load, const std::vector<InterfaceR
     const double h_s = whole_step(wanted_s);
     const ObservedRun run = observe_run(load("explicit_serial", h_s, kTrialSteps * h_s),
                                         Mode::Inproc, folder / "stability" / fmt::format("{}", h_s),
-                                        fmt::format("stability: explicit_serial, H = {} s", h_s));
+                                        fmt::format("stability: explicit_serial, H = {:g} s", h_s));
     (run.exit_code == 0 ? limit.stable_s : limit.unstable_s) = h_s;
   };
   double h_s = limit.predicted_s > 0.0 ? limit.predicted_s : std::sqrt(least_s * greatest_s);

@@ -186,7 +186,7 @@ ReplayReport replay(const RunDirectory& run, const ReplayOptions& options) {
                       "file, or run anew.",
                       report.remark, promised.value_or(0)));
   require(report.macro_steps > 0,
-          fmt::format("{} holds no macro step: nothing was recorded that could be replayed. {}",
+          fmt::format("{} holds no macro step: nothing was recorded that could be replayed; {}",
                       run.log().string(), report.remark));
   return report;
 }

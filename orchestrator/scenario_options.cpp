@@ -17,8 +17,11 @@ void ScenarioOptions::declare(CLI::App& command) {
 std::vector<scenario::Override> ScenarioOptions::overrides() const {
   std::vector<scenario::Override> overrides;
   for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
-  if (!scheme.empty()) overrides.push_back({"coupling.scheme", scheme});
-  if (!driver.empty()) overrides.push_back({"wire.driver", driver});
+  overrides.insert(overrides.end(), changes.begin(), changes.end());
+  if (!scheme.empty()) {
+    overrides.push_back({"coupling.scheme", scheme, scheme_option + " " + scheme});
+  }
+  if (!driver.empty()) overrides.push_back({"wire.driver", driver, "--driver " + driver});
   return overrides;
 }
 

@@ -18,6 +18,8 @@ struct ScenarioOptions {
   std::string file;
   std::vector<std::string> sets;
   std::string scheme;
+  std::string scheme_option = "--scheme";   ///< the one that `scheme` was given by
+  std::vector<scenario::Override> changes;  ///< that the command makes of itself
   std::string driver;
   std::string out;
 

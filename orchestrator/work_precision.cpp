@@ -78,8 +78,6 @@ WorkPrecision work_precision(
   if (schemes.empty()) schemes.push_back("");
   const double least_s = *std::min_element(options.steps_s.begin(), options.steps_s.end());
   // Every model is made before the first run: a step that does not divide the duration is said now.
-  const Model fine = load("", least_s / kReferenceRefinement, 0.0);
-  const Model half = load("", 2.0 * least_s / kReferenceRefinement, 0.0);
   std::vector<Model> models;
   for (const std::string& scheme : schemes) {
     for (const double step_s : options.steps_s) models.push_back(load(scheme, step_s, 0.0));
@@ -87,6 +85,8 @@ WorkPrecision work_precision(
       models.push_back(load(scheme, least_s, tolerance));
     }
   }
+  const Model fine = load("", least_s / kReferenceRefinement, 0.0);
+  const Model half = load("", 2.0 * least_s / kReferenceRefinement, 0.0);
 
   const Reference reference{.history = reference_run(fine, options).history,
                             .ports = make_fem(fine, {})->info().ports};

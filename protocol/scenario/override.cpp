@@ -152,7 +152,10 @@ Override parse_override(const std::string& argument) {
 
 void apply_override(YamlValue& root, const Section& table, const Override& change,
                     std::vector<Defect>& defects) {
-  const Place place{shortened(fmt::format("--set {}={}", change.path, change.value)), 0, 0};
+  const std::string given = change.given_as.empty()
+                                ? fmt::format("--set {}={}", change.path, change.value)
+                                : change.given_as;
+  const Place place{shortened(given), 0, 0};
   const std::size_t defects_before = defects.size();
   auto value = parse_yaml_at(change.value, place, defects);
   if (!value || defects.size() != defects_before) return;

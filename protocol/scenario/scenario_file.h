@@ -15,6 +15,7 @@ namespace tandem::scenario {
 struct Override {
   std::string path;
   std::string value;
+  std::string given_as = {};  ///< what the user wrote, for messages; empty = "--set path=value"
 };
 [[nodiscard]] Override parse_override(const std::string& argument);
 

@@ -81,7 +81,7 @@ TEST(CompareSteps, StepThatDoesNotDivideTheDurationIsRefusedBeforeAnyRun) {
       tandem_command({"compare", kExamples + "two_masses/scenario.yaml", "--steps", "1e-3,3e-4",
                       "--transport", "inproc", "--out", (folder / "c").string()});
   EXPECT_EQ(ended.code, 2) << ended.output;
-  EXPECT_NE(ended.output.find("not a whole number of macro steps"), std::string::npos)
+  EXPECT_NE(ended.output.find("not a whole number of macro steps of 0.0003 s"), std::string::npos)
       << ended.output;
 }
 
