@@ -39,7 +39,7 @@ FlexibleBody::FlexibleBody(Params params) : model_(std::move(params)) {
   if (!model_.integrator->inertia()) require_held(model_);
   info_.name = "fem";
   for (const Model::Port& port : model_.ports) info_.ports.push_back({port.name, port.length_m});
-  info_.micro_step = model_.params.micro_step;
+  if (!model_.params.follows_macro_step) info_.micro_step = model_.params.micro_step;
   info_.can_linearize = true;
   held_ = names_of(model_.params.fixed);
   check_changes();
@@ -104,6 +104,7 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
                                       ? interpolate(request.input, s_torque, request.step, rule)
                                       : request.input.begin;
     Linearisation& kept = kept_[j == 1 ? 0 : 1];
+    if (j > 1 && step_->shares_factor()) kept.neighbour = &kept_[0];
     const State from = std::move(done.last.state);
     done.last = step_->advance(from, end, torque_pose, h, kept);
     done.last.state.generation = ++generations_;

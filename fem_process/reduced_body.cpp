@@ -22,7 +22,7 @@ ReducedBody::ReducedBody(Params params)
   if (!model_.integrator->inertia()) require_held(model_);
   info_.name = "fem";
   for (const Model::Port& port : model_.ports) info_.ports.push_back({port.name, port.length_m});
-  info_.micro_step = model_.params.micro_step;
+  if (!model_.params.follows_macro_step) info_.micro_step = model_.params.micro_step;
   info_.can_linearize = true;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "fem_process/nearby_solver.h"
 #include "fem_process/node_vectors.h"
 #include "fem_process/round_off.h"
 #include "fem_process/step_energy.h"
@@ -141,7 +142,9 @@ StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
   kept.inverted_elements = model_.formulation->evaluate(kept.map.x_tilde, kept.f_int, kept.K);
   const double middle_s = now_s();
   step_matrix(kept.map, kept.K, kept.S);
-  if (!kept.solver) {
+  if (kept.neighbour != nullptr) {
+    lean_on_neighbour(kept);
+  } else if (!kept.solver) {
     kept.solver =
         make_solver(model_.params.solver, model_.interior.pattern, rest_.get(), model_.team.get());
   }
@@ -149,12 +152,23 @@ StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
   const bool warped = rest_ && model_.params.formulation != FormulationKind::Linear &&
                       model_.params.solver.preconditioner == PreconditionerKind::WarpedRestFactor;
   kept.rotations.clear();
-  if (warped) node_rotations_.at(kept.map.x_tilde, kept.rotations, *model_.team);
+  if (warped || kept.neighbour != nullptr)
+    node_rotations_.at(kept.map.x_tilde, kept.rotations, *model_.team);
   kept.factorisation = kept.solver->factorize(kept.S, kept.rotations);
   if (!loose_.empty() && kept.factorisation.outcome == Outcome::Done) {
     kept.factorisation = find_port_columns(kept);
   }
   return {.elements_s = middle_s - start_s, .factorize_s = now_s() - middle_s};
+}
+
+/// The nodes' rotations at the neighbour are found when first needed.
+void TransientStep::lean_on_neighbour(Linearisation& kept) const {
+  Linearisation& neighbour = *kept.neighbour;
+  if (neighbour.rotations.empty()) {
+    node_rotations_.at(neighbour.map.x_tilde, neighbour.rotations, *model_.team);
+  }
+  kept.solver = std::make_unique<NearbySolver>(model_.interior.pattern, *neighbour.solver,
+                                               neighbour.rotations, model_.team.get());
 }
 
 /// Z and Y of LoosePorts.

@@ -39,6 +39,8 @@ struct Linearisation {
   SolveReport factorisation;
   Eigen::MatrixXd port_columns;   ///< Z = θ S⁻¹ N of LoosePorts: velocities of the free nodes
   Eigen::MatrixXd port_response;  ///< Y = Nᵀ Z
+  /// The macro step's first, whose factor serves this one too: see NearbySolver. Null: an own one.
+  Linearisation* neighbour = nullptr;
   EightVectors S_past;    ///< S times the last velocities, when the initial guess is made of them
   bool iterated = false;  ///< made at an iterate of Newton's, x̃ + d is an equilibrium
   /// With Newton steps: the same at the step's last iterate.
@@ -67,6 +69,11 @@ class TransientStep {
   /// The state once the boundary conditions have changed at its time: held nodes at rest where they
   /// are, accelerations and forces of the balance that holds now, no past for initial guesses.
   SolveReport restart(State& state) const;
+
+  /// Whether the factor of a macro step's first micro step saves those of the others time.
+  [[nodiscard]] bool shares_factor() const {
+    return model_.params.solver.kind == SolverKind::Cholmod && loose_.empty();
+  }
 
   /// Makes now what the next micro step of the model's length would make of its state.
   void prepare(const State& state, Linearisation& kept) const;
@@ -107,6 +114,7 @@ class TransientStep {
   /// Returns the times of what it did.
   StepTimes linearise(const State& begin, double h_s, Linearisation& kept) const;
   StepTimes linearise_at_tilde(Linearisation& kept) const;
+  void lean_on_neighbour(Linearisation& kept) const;
   SolveReport find_port_columns(Linearisation& kept) const;
   void correct(const Input& input, Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
                Result& result) const;

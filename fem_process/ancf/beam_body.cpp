@@ -49,7 +49,7 @@ BeamBody::BeamBody(BeamParams params)
   for (const Wheel& wheel : params_.wheels) {
     info_.ports[static_cast<std::size_t>(wheel.port)].length_m = wheel.radius_m;
   }
-  info_.micro_step = params_.micro_step;
+  if (!params_.follows_macro_step) info_.micro_step = params_.micro_step;
   info_.can_linearize = true;
 }
 

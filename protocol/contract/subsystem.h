@@ -18,8 +18,8 @@ namespace tandem {
 struct SubsystemInfo {
   std::string name;             ///< "mbs" or "fem"
   std::vector<PortInfo> ports;  ///< in the order of the scenario's port table
-  SimTime micro_step{};         ///< the side's own integration step h; the macro step is H = n h
-  bool can_linearize = false;   ///< whether advance() honours `linearize`
+  SimTime micro_step{};        ///< the side's own integration step h, H = n h; 0: h = H, whatever H
+  bool can_linearize = false;  ///< whether advance() honours `linearize`
 };
 
 /// d out / d in(end of segment) at the last advance, from the state at its beginning.

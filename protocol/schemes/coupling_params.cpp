@@ -23,6 +23,10 @@ constexpr Names<SchemeKind, 5> kSchemes{{{"explicit_serial", SchemeKind::Explici
 constexpr Names<Refresh, 3> kRefreshes{{{"every_step", Refresh::EveryStep},
                                         {"every_n_steps", Refresh::EveryNSteps},
                                         {"broyden", Refresh::Broyden}}};
+constexpr Names<Refresh, 4> kFemRefreshes{{{"automatic", Refresh::Automatic},
+                                           {"every_step", Refresh::EveryStep},
+                                           {"every_n_steps", Refresh::EveryNSteps},
+                                           {"broyden", Refresh::Broyden}}};
 constexpr Names<Prediction, 3> kPredictions{{{"hold", Prediction::Hold},
                                              {"linear", Prediction::Linear},
                                              {"quadratic", Prediction::Quadratic}}};
@@ -118,9 +122,10 @@ scenario::Key jacobian_key() {
            .doc_is("Of the multibody side: at the first evaluation of every macro step, of every "
                    "n-th one, or once and then by Broyden's updates.")
            .by_default(name_of(kRefreshes, d.mbs_refresh)),
-       scenario::choice("fem_refresh", choices_of(kRefreshes))
-           .doc_is("Of the flexible side, likewise; every_step uses each factorisation.")
-           .by_default(name_of(kRefreshes, d.fem_refresh)),
+       scenario::choice("fem_refresh", choices_of(kFemRefreshes))
+           .doc_is("Of the flexible side, likewise; every_step uses each factorisation. automatic: "
+                   "every_step, but broyden where the side takes micro steps.")
+           .by_default(name_of(kFemRefreshes, d.fem_refresh)),
        scenario::integer("every_steps")
            .doc_is("Macro steps between two Jacobians with every_n_steps.")
            .between(1, 1000000)
@@ -130,7 +135,7 @@ scenario::Key jacobian_key() {
 
 JacobianParams read_jacobian(const scenario::Node& node) {
   return {.mbs_refresh = value_of(kRefreshes, node.text("mbs_refresh")),
-          .fem_refresh = value_of(kRefreshes, node.text("fem_refresh")),
+          .fem_refresh = value_of(kFemRefreshes, node.text("fem_refresh")),
           .every_steps = static_cast<std::int32_t>(node.integer("every_steps"))};
 }
 

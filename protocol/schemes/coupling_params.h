@@ -19,12 +19,14 @@ enum class Iteration { Serial, Parallel };
 enum class OnNotConverged { Stop, Accept };
 
 /// When a kept interface Jacobian is taken anew, see JacobianBlock.
-enum class Refresh { EveryStep, EveryNSteps, Broyden };
+/// Automatic: EveryStep, but Broyden where the side makes the macro step in several micro steps,
+/// through which it would have to carry its derivatives.
+enum class Refresh { EveryStep, EveryNSteps, Broyden, Automatic };
 
 /// Section `coupling.jacobian`.
 struct JacobianParams {
   Refresh mbs_refresh = Refresh::EveryStep;
-  Refresh fem_refresh = Refresh::EveryStep;
+  Refresh fem_refresh = Refresh::Automatic;
   std::int32_t every_steps = 10;  ///< n of EveryNSteps
 };
 

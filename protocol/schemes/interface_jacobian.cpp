@@ -11,8 +11,10 @@ namespace tandem {
 namespace {
 
 /// Evaluations with kept Jacobians after which both sides are linearised anew, at the present
-/// iterate: a contact or a limit has switched, or the blocks are too old.
+/// iterate: a contact or a limit has switched, or the blocks are too old. Not while an evaluation
+/// still lowers the residual to a small part.
 constexpr std::int32_t kPatience = 4;
+constexpr double kFast = 0.1;
 
 /// Newton steps that do not lower the residual to this part from one linearisation to the next go
 /// round between pieces of a law (touching or not, stick or slip): they are halved.
@@ -26,6 +28,15 @@ MacroStepEnd not_converged(MacroStepEnd end, double limit_N) {
       "run.macro_step_s or raise coupling.max_iterations.",
       end.residual_N, end.iterations, limit_N);
   return end;
+}
+
+/// Secants of the flexible side that are kept: those of some ten macro steps.
+constexpr std::size_t kFemSecants = 30;
+
+/// 1 where the side follows the macro step.
+std::int64_t micro_steps_of(const FemSide& fem, SimTime H) {
+  const SimTime h = fem.info().micro_step;
+  return h > SimTime{} ? H / h : 1;
 }
 
 /// Round-off of the flexible side's wrench (N): what the rounding of its input, |m| times the
@@ -44,6 +55,20 @@ double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem
   return wrench_norm_N(unstack_wrenches(fem.cwiseAbs() * rounded), ports);
 }
 
+/// W of the flexible side's secants: makes all coordinates of a motion squares of m/s, angles as
+/// arcs at the port's length.
+Eigen::VectorXd motion_weights(const std::vector<PortInfo>& ports, SimTime H) {
+  Eigen::VectorXd weights(12 * static_cast<Eigen::Index>(ports.size()));
+  const double rate2 = 1.0 / (to_seconds(H) * to_seconds(H));
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    const double L2 = ports[p].length_m * ports[p].length_m;
+    const Eigen::Vector3d one = Eigen::Vector3d::Ones();
+    weights.segment<12>(12 * static_cast<Eigen::Index>(p)) << rate2 * one, rate2 * L2 * one, one,
+        L2 * one;
+  }
+  return weights;
+}
+
 }  // namespace
 
 InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
@@ -51,16 +76,19 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
     : params_(params),
       ports_(std::move(ports)),
       mbs_block_(params.jacobian.mbs_refresh, params.jacobian.every_steps),
-      fem_block_(params.jacobian.fem_refresh, params.jacobian.every_steps) {}
+      fem_block_(params.jacobian.fem_refresh, params.jacobian.every_steps, kFemSecants) {}
 
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {
   WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
   floor_.begin_step();
-  Linearize linearize{.mbs = mbs_block_.begin_step(H), .fem = fem_block_.begin_step(H)};
+  fem_block_.turn_with(state.motions);
+  Linearize linearize{.mbs = mbs_block_.begin_step(H),
+                      .fem = fem_block_.begin_step(H, micro_steps_of(fem, H))};
   Eigen::PartialPivLU<Eigen::MatrixXd> newton_matrix;
   double round_off_N = 0.0;
   double part = 1.0;  // of a Newton step
+  double last_residual_N = 0.0;
   double linearised_N = std::numeric_limits<double>::infinity();
   Evaluation last;
   WrenchSet last_lambda;
@@ -73,7 +101,8 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     if (k > 1) {
       const Eigen::VectorXd d_motion = difference(last.motions, evaluation.motions);
       changed |= mbs_block_.learn(stack(lambda) - stack(last_lambda), d_motion);
-      changed |= fem_block_.learn(d_motion, stack(evaluation.wrenches) - stack(last.wrenches));
+      changed |= fem_block_.learn(d_motion, stack(evaluation.wrenches) - stack(last.wrenches),
+                                  motion_weights(ports_, H));
     }
     if (linearize.mbs) mbs_block_.take(evaluation.mbs_jacobian);
     if (linearize.fem) fem_block_.take(evaluation.fem_jacobian);
@@ -96,7 +125,8 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     }
     last_lambda = lambda;
     lambda = unstack_wrenches(stack(lambda) + part * newton_matrix.solve(evaluation.residual));
-    linearize.mbs = linearize.fem = k % kPatience == 0;
+    linearize.mbs = linearize.fem = k % kPatience == 0 && end.residual_N > kFast * last_residual_N;
+    last_residual_N = end.residual_N;
     last = std::move(evaluation);
   }
 }

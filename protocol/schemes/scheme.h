@@ -81,9 +81,9 @@ class Implicit final : public Scheme {
 ///   (I − L B) δλ = r,   B = ∂M/∂λ (12P × 6P),   L = ∂Λ/∂m (6P × 12P),
 /// linearised once per macro step at the predicted wrench and kept (chord iteration): where both
 /// sides are affine in the port quantities two evaluations suffice. Either block may be kept for
-/// longer (JacobianBlock), at the price of further iterations; after every four evaluations that do
-/// not converge both are taken anew at the present iterate. [Sicklinger et al. 2014,
-/// Interface Jacobian-based co-simulation algorithm]
+/// longer (JacobianBlock), at the price of further iterations; after every four evaluations, unless
+/// the last one has lowered the residual to a tenth, both are taken anew at the present iterate.
+/// [Sicklinger et al. 2014, Interface Jacobian-based co-simulation algorithm]
 class InterfaceJacobianScheme final : public Scheme {
  public:
   InterfaceJacobianScheme(const CouplingParams& params, std::vector<PortInfo> ports);
