@@ -137,6 +137,28 @@ TEST_F(FemCommand, APartThatHangsInTheAirIsNamed) {
 }
 
 // An equilibrium that is not found is exit code 3, with the load factor and what to do.
+// The port stands in line 10 of the file, behind a dash in column 3.
+TEST_F(FemCommand, RefusesPortsOnBushingsInEveryAnalysisAndSaysWhere) {
+  const std::string port =
+      "run: {duration_s: 0.01, macro_step_s: 0.001}\n"
+      "ports:\n  - {name: end, body: arm, node_set: monitor, attachment: bushing,\n"
+      "     bushing: {stiffness_N_per_m: [1, 1, 1]}}\n";
+  for (const char* analysis : {"static", "quasi_static", "modes", "transient"}) {
+    try {
+      static_cast<void>(run_fem(load(port).root, analysis, folder));
+      ADD_FAILURE() << analysis << " accepts a bushing";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::Usage);
+      EXPECT_EQ(
+          std::string(error.what()),
+          (folder / "bar.yaml").string() +
+              ":10:5: port 'end' is not rigid, and `tandem fem` holds and moves port nodes as "
+              "rigid sets. Add --set ports.end.attachment=rigid, or use `tandem run`.")
+          << analysis;
+    }
+  }
+}
+
 TEST_F(FemCommand, ReportsAMissingEquilibrium) {
   const FemOutcome outcome =
       run_fem(load("  analysis: {max_iterations: 1, safeguards: false}\n").root, "", folder);

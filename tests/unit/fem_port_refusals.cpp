@@ -1,10 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
+#include "fem_process/fem_keys.h"
 #include "fem_process/make_side.h"
 #include "protocol/contract/error.h"
+#include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/scenario_file.h"
 #include "tests/support/fem_box.h"
 #include "tests/support/fem_ports.h"
 
@@ -55,6 +59,40 @@ TEST(LoosePorts, WhatHasNoLeastSquaresFrameIsRefused) {
   box.ports = {{"left", {"LEFT"}, std::nullopt, averaging()}};
   box.fixed = {{"LEFT"}};
   EXPECT_NE(refusal([&] { Model model(box); }).find("and in the port 'left'"), std::string::npos);
+}
+
+/// The message of what a scenario with a port on a bushing in line 3 makes.
+std::string refusal_of(const std::string& fem) {
+  const std::filesystem::path file = temporary_file(
+      "bushing.yaml",
+      "run: {duration_s: 1.0, macro_step_s: 0.001}\n"
+      "ports:\n  - {name: left, body: arm, node_set: LEFT, attachment: bushing, bushing: "
+      "{stiffness_N_per_m: [1, 1, 1]}}\n"
+      "fem:\n  mesh: {file: " +
+          temporary_file("bushing.inp", box_inp(2)).string() +
+          "}\n  mass: lumped\n  material: {young_Pa: 1e6, poisson: 0.3, density_kg_per_m3: "
+          "1000}\n" +
+          fem);
+  scenario::Section table;
+  table.keys = {scenario::run_keys(), scenario::ports_keys(), fem_keys()};
+  std::string message =
+      refusal([&] { static_cast<void>(make_body(read_params(scenario::load(file, table).root))); });
+  if (message.rfind(file.string(), 0) == 0) message.erase(0, file.string().size());
+  return message;
+}
+
+TEST(LoosePorts, AreRefusedAtTheirPlaceByModelsWithoutThem) {
+  EXPECT_EQ(refusal_of(""), "accepted");
+  EXPECT_EQ(refusal_of("  integrator: {kind: quasi_static}\n"),
+            ":3:5: port 'left': the set 'LEFT' is not attached rigidly, which fem.integrator.kind "
+            "quasi_static needs. Set attachment: rigid, or choose backward_euler, which settles to "
+            "the same equilibrium.");
+  EXPECT_EQ(refusal_of("  formulation: craig_bampton\n"),
+            ":3:5: port 'left' is not rigid, and the constraint modes of craig_bampton move every "
+            "port's nodes rigidly. Set attachment: rigid, or choose another fem.formulation.");
+  EXPECT_EQ(refusal_of("  coupling: nodal\n"),
+            ":3:5: ports: with fem.coupling: nodal they are made from the mesh, one for each free "
+            "node, and these are not they. Leave out ports and mbs.bodies.");
 }
 
 }  // namespace
