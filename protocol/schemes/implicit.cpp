@@ -98,7 +98,11 @@ bool cannot_go_on(const MacroStepEnd& end) {
 }  // namespace
 
 Implicit::Implicit(const CouplingParams& params, std::vector<PortInfo> ports)
-    : params_(params), ports_(std::move(ports)), accelerator_(make_accelerator(params)) {}
+    : params_(params),
+      ports_(std::move(ports)),
+      accelerator_(make_accelerator(params)),
+      // Slow relaxation halves a residual in a few evaluations.
+      floor_(8, params.tolerance_N) {}
 
 MacroStepEnd Implicit::advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) {
   const bool accepted = begun_ && state.time > *begun_;

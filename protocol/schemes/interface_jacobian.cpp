@@ -76,7 +76,8 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
     : params_(params),
       ports_(std::move(ports)),
       mbs_block_(params.jacobian.mbs_refresh, params.jacobian.every_steps),
-      fem_block_(params.jacobian.fem_refresh, params.jacobian.every_steps, kFemSecants) {}
+      fem_block_(params.jacobian.fem_refresh, params.jacobian.every_steps, kFemSecants),
+      floor_(1, params.tolerance_N) {}
 
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {

@@ -28,7 +28,7 @@ bool ResidualFloor::reached(double residual_N, double wrench_N) {
   } else {
     ++idle_;
   }
-  if (residual_N > kMostRoundOff * scale_N_) return false;
+  if (residual_N > std::max(negligible_N_, kMostRoundOff * scale_N_)) return false;
   if (residual_N <= floor_N_ && !first) return true;
   if (idle_ < patience_ || residual_N > kWavering * smallest_N_) return false;
   floor_N_ = std::max(floor_N_, kWavering * residual_N);

@@ -9,13 +9,15 @@ namespace tandem {
 /// no derivative. What the residual wavered at is kept for the next macro steps, which then need no
 /// further evaluations to see it.
 ///
-/// More than 1e-10 of the largest wrench or residual of the macro step is never taken for
+/// More than 1e-10 of the largest residual or wrench of the macro step, or more than 100
+/// tolerance_N where that is larger (joints may carry far more than the ports), is never taken for
 /// round-off.
 class ResidualFloor {
  public:
   /// `patience`: evaluations that do not halve the smallest residual of a macro step before it is
   /// taken for round-off.
-  explicit ResidualFloor(std::int32_t patience) : patience_(patience) {}
+  ResidualFloor(std::int32_t patience, double tolerance_N)
+      : patience_(patience), negligible_N_(100.0 * tolerance_N) {}
 
   void begin_step();
   /// Whether the residual of the macro step's next evaluation is round-off. ‖Λ‖ is `wrench_N`.
@@ -23,10 +25,11 @@ class ResidualFloor {
 
  private:
   std::int32_t patience_;
+  double negligible_N_;
   std::int32_t idle_ = 0;    ///< evaluations since the smallest residual was halved
   double smallest_N_ = 0.0;  ///< of the macro step; 0: none yet
-  double scale_N_ = 0.0;
-  double floor_N_ = 0.0;  ///< what macro steps wavered at
+  double scale_N_ = 0.0;     ///< largest residual or wrench of the macro step
+  double floor_N_ = 0.0;     ///< what macro steps wavered at
 };
 
 }  // namespace tandem

@@ -74,7 +74,7 @@ class Implicit final : public Scheme {
   std::vector<PortInfo> ports_;
   std::unique_ptr<Accelerator> accelerator_;
   std::optional<SimTime> begun_;  ///< beginning of the last macro step
-  ResidualFloor floor_{8};        // slow relaxation halves a residual in a few evaluations
+  ResidualFloor floor_;
 };
 
 /// Newton's method on r(λ) = Λ(M(λ)) − λ with both sides' interface Jacobians:
@@ -93,7 +93,7 @@ class InterfaceJacobianScheme final : public Scheme {
   CouplingParams params_;
   std::vector<PortInfo> ports_;
   JacobianBlock mbs_block_, fem_block_;
-  ResidualFloor floor_{1};
+  ResidualFloor floor_;
 };
 
 [[nodiscard]] std::unique_ptr<Scheme> make_scheme(const CouplingParams& params,

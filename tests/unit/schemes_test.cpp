@@ -280,7 +280,7 @@ TEST(CoupledRun, LedgerBooksEverySideInItsColumnAndNoTimeTwice) {
 // Residuals that waver at 1e-9 N beside wrenches of 100 N are round-off, and known as such in the
 // next macro step at its second evaluation; at 1e-7 N they are not.
 TEST(ResidualFloor, IsWhatResidualsWaverAt) {
-  ResidualFloor floor(1);
+  ResidualFloor floor(1, 1e-11);
   floor.begin_step();
   EXPECT_FALSE(floor.reached(1.0, 100.0));
   EXPECT_FALSE(floor.reached(1e-9, 100.0));
@@ -288,14 +288,25 @@ TEST(ResidualFloor, IsWhatResidualsWaverAt) {
   floor.begin_step();
   EXPECT_FALSE(floor.reached(1e-9, 100.0));
   EXPECT_TRUE(floor.reached(1.5e-9, 100.0));
-  ResidualFloor large(1);
+  ResidualFloor large(1, 1e-11);
   large.begin_step();
   for (int k = 0; k < 50; ++k) EXPECT_FALSE(large.reached(1e-7, 100.0));
 }
 
+// A wrench may be small where the joints' forces are not.
+TEST(ResidualFloor, MayBeAHundredTolerances) {
+  ResidualFloor floor(1, 1e-11);
+  floor.begin_step();
+  EXPECT_FALSE(floor.reached(9e-10, 0.01));
+  EXPECT_TRUE(floor.reached(9e-10, 0.01));
+  floor.begin_step();
+  EXPECT_FALSE(floor.reached(1.1e-9, 0.01));
+  EXPECT_FALSE(floor.reached(1.1e-9, 0.01));
+}
+
 // An iteration that goes on falling, if slowly, is not at its floor.
 TEST(ResidualFloor, IsNotReachedWhileResidualsFall) {
-  ResidualFloor floor(8);
+  ResidualFloor floor(8, 1e-11);
   floor.begin_step();
   double residual_N = 1.0;
   for (int k = 0; k < 200; ++k, residual_N *= 0.9) EXPECT_FALSE(floor.reached(residual_N, 100.0));
