@@ -9,6 +9,7 @@
 #include "fem_process/craig_bampton_keys.h"
 #include "fem_process/material_keys.h"
 #include "fem_process/mesh_keys.h"
+#include "fem_process/micro_step.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
 #include "protocol/scenario/law.h"
@@ -378,17 +379,9 @@ Params read_params(const Node& root) {
   params.integrator = read_integrator(fem.section("integrator"));
   params.solver = read_solver(fem.section("solver"));
   params.threads = static_cast<int>(fem.integer("threads"));
-  // Without `run` (static analysis, modes) no step is made: any length is good.
-  const SimTime macro_step =
-      root.has("run") ? scenario::read_run(root).macro_step : SimTime(1'000'000'000);
-  params.micro_step = root.has("run") && fem.has("micro_step_s")
-                          ? sim_time_from_seconds(fem.real("micro_step_s"))
-                          : macro_step;
-  params.follows_macro_step = !fem.has("micro_step_s");
-  if (params.micro_step <= SimTime{} || macro_step % params.micro_step != SimTime{}) {
-    fem.fail("micro_step_s", "the macro step of " + std::to_string(to_seconds(macro_step)) +
-                                 " s is not a whole multiple of it.");
-  }
+  const MicroStep step = read_micro_step(root);
+  params.micro_step = step.length;
+  params.follows_macro_step = step.follows_macro_step;
   params.gravity_m_per_s2 = fem.vector3("gravity_m_per_s2");
   params.fixed = read_sets(fem, "fixed");
   params.watch = read_sets(fem, "watch");

@@ -1,5 +1,7 @@
 #include "fem_process/reduced_energy.h"
 
+#include "fem_process/interface_work.h"
+
 namespace tandem::fem {
 namespace {
 
@@ -82,12 +84,8 @@ void book_trapezoids(const ReducedModel& reduced, const ReducedState& begin, con
   const FieldMotion moved = b.Y - a.Y;
   const FieldMotion f_a = a.loads + reduced.gravity();
   const FieldMotion f_b = b.loads + reduced.gravity();
-  const Eigen::VectorXd turned = difference(begin.ports, step.state.ports);
-  const Eigen::VectorXd wrenches = stack(begin.wrenches) + stack(step.wrenches);
-  double interface_J = 0.0;
-  for (Eigen::Index i = 0; 6 * i < wrenches.size(); ++i) {
-    interface_J -= 0.5 * wrenches.segment<6>(6 * i).dot(turned.segment<6>(12 * i));
-  }
+  const double interface_J =
+      -interface_trapezoid_J(begin.ports, step.state.ports, begin.wrenches, step.wrenches);
   EnergyBook& book = step.state.book;
   book.interface_work_J += interface_J;
   book.external_work_J += 0.5 * dot(a.loads + b.loads, moved);

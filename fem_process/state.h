@@ -47,6 +47,9 @@ struct State {
   /// What the next step's trapezoids of work need of this one; empty with backward Euler.
   Eigen::VectorXd support;        ///< forces of the ports on nodes (N); empty with HHT
   Eigen::VectorXd damping_force;  ///< C v (N); empty without damping
+  /// K e (N), e how far nodes of averaging ports stand from where the balance of forces has them;
+  /// empty without such ports.
+  Eigen::VectorXd beyond;
   double bushing_loss_W = 0.0;
   MotionSet port_motions;
   WrenchSet port_wrenches;

@@ -1,5 +1,7 @@
 #include "fem_process/step_energy.h"
 
+#include "fem_process/interface_work.h"
+
 namespace tandem::fem {
 namespace {
 
@@ -62,20 +64,10 @@ void book_end_forces(const Model& model, const State& begin, const StepForces& s
   after.moved = moved;
 }
 
-/// ½ (λ + λ⁺)·Δ(pose) of all ports.
-double interface_trapezoid_J(const State& begin, const StepForces& step) {
-  const Eigen::VectorXd moved = difference(begin.port_motions, step.motions);
-  const Eigen::VectorXd sum = stack(begin.port_wrenches) + stack(step.wrenches);
-  double work_J = 0.0;
-  for (Eigen::Index i = 0; 6 * i < sum.size(); ++i) {
-    work_J += 0.5 * sum.segment<6>(6 * i).dot(moved.segment<6>(12 * i));
-  }
-  return work_J;
-}
-
 void book_trapezoids(const Model& model, const State& begin, const StepForces& step, State& after) {
   const Eigen::VectorXd moved = after.x - begin.x;
-  const double interface_J = -interface_trapezoid_J(begin, step);
+  const double interface_J =
+      -interface_trapezoid_J(begin.port_motions, step.motions, begin.port_wrenches, step.wrenches);
   const Eigen::VectorXd loads = model.loads(to_seconds(begin.time)) +
                                 model.loads(to_seconds(after.time)) + 2.0 * step.commanded;
   double numerical_J = interface_J;
@@ -92,6 +84,14 @@ void book_trapezoids(const Model& model, const State& begin, const StepForces& s
       numerical_J += 0.5 * moved.dot(multiply_scalar(model.pattern(), model.mass,
                                                      begin.acceleration + after.acceleration));
     }
+  }
+  if (!step.loose.empty()) {
+    // The forces of the balance, of which all works so far are, belong to the positions x̃ + d:
+    // LoosePorts::follow() has moved nodes on to the pose of their port.
+    const Eigen::VectorXd e = after.x - (step.kept.map.x_tilde + step.d);
+    after.beyond = multiply(model.pattern(), step.kept.K, e, {}, model.team.get());
+    numerical_J -= 0.5 * moved.dot(after.beyond);
+    if (begin.beyond.size() > 0) numerical_J -= 0.5 * moved.dot(begin.beyond);
   }
   if (is_damped(model)) {
     after.damping_force = damping_force(model, step.kept.K, after.v);
@@ -149,6 +149,7 @@ void book_step(const Model& model, const State& begin, const StepForces& step, S
 void book_start(const Model& model, const BlockValues& K, const Eigen::VectorXd& react,
                 State& state) {
   if (model.integrator->constant_forces()) return;
+  state.beyond.resize(0);
   if (!model.integrator->averages_forces()) state.support = react;
   if (is_damped(model)) state.damping_force = damping_force(model, K, state.v);
 }

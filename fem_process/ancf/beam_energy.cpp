@@ -1,21 +1,7 @@
 #include "fem_process/ancf/beam_step.h"
+#include "fem_process/interface_work.h"
 
 namespace tandem::fem::ancf {
-namespace {
-
-/// ½ (λ + λ⁺)·Δ(pose) of all ports (J).
-double wheel_work_J(const BeamState& begin, const BeamState& end) {
-  const Eigen::VectorXd moved = difference(begin.motions, end.motions);
-  const Eigen::VectorXd sum = stack(begin.wheels) + stack(end.wheels);
-  double work_J = 0.0;
-  for (Eigen::Index i = 0; 6 * i < sum.size(); ++i) {
-    work_J += 0.5 * sum.segment<6>(6 * i).dot(moved.segment<6>(12 * i));
-  }
-  return work_J;
-}
-
-}  // namespace
-
 bool BeamStep::note_forces(const MotionSet& motions, BeamState& state, ContactSums& sums) const {
   // Kept between calls: its memory is larger than the arithmetic's.
   static thread_local ElementArrays elements;
@@ -65,7 +51,8 @@ void BeamStep::book(const BeamState& begin, double h_s, BeamState& end) const {
     book.external_work_J +=
         0.5 * moved.dot(system_.load_forces(t_s) + system_.load_forces(t_s + h_s));
   }
-  book.interface_work_J -= wheel_work_J(begin, end);
+  book.interface_work_J -=
+      interface_trapezoid_J(begin.motions, end.motions, begin.wheels, end.wheels);
   book.damping_loss_J += 0.5 * h_s * (begin.contact_loss_W + end.contact_loss_W);
   if (begin.viscous.size() > 0) {
     book.damping_loss_J += 0.5 * moved.dot(begin.viscous + end.viscous);

@@ -1,9 +1,8 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "fem_process/ancf/ancf_keys.h"
+#include "fem_process/micro_step.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
 #include "protocol/scenario/law.h"
@@ -211,17 +210,9 @@ void require_use(const Node& root, const BeamParams& params) {
 
 void read_times(const Node& root, BeamParams& params) {
   const Node fem = root.section("fem");
-  // Without `run` (static analysis, modes) no step is made: any length is good.
-  const SimTime macro_step =
-      root.has("run") ? scenario::read_run(root).macro_step : SimTime(1'000'000'000);
-  params.micro_step = root.has("run") && fem.has("micro_step_s")
-                          ? sim_time_from_seconds(fem.real("micro_step_s"))
-                          : macro_step;
-  params.follows_macro_step = !fem.has("micro_step_s");
-  if (params.micro_step <= SimTime{} || macro_step % params.micro_step != SimTime{}) {
-    fem.fail("micro_step_s", fmt::format("the macro step of {} s is not a whole multiple of it.",
-                                         to_seconds(macro_step)));
-  }
+  const MicroStep step = read_micro_step(root);
+  params.micro_step = step.length;
+  params.follows_macro_step = step.follows_macro_step;
   const Node ancf = fem.section("ancf");
   if (!ancf.has("settle")) return;
   const Node settle = ancf.section("settle");

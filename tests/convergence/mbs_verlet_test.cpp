@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "tests/support/free_asymmetric_top.h"
-#include "tests/support/jacobi_elliptic.h"
 #include "tests/support/mbs_mechanisms.h"
+#include "tests/support/mbs_order.h"
 
 namespace tandem::mbs::testing {
 namespace {
@@ -22,22 +21,11 @@ int steps_of(double duration_s, SimTime h) {
   return static_cast<int>(std::lround(duration_s / to_seconds(h)));
 }
 
-/// Two-sided over four halvings.
-void expect_second_order(SimTime coarsest, const std::function<double(SimTime)>& error) {
-  double previous = error(coarsest);
-  for (int halving = 1; halving <= 4; ++halving) {
-    const double finer = error(coarsest / (1 << halving));
-    EXPECT_NEAR(std::log2(previous / finer), 2.0, 0.15)
-        << "halving " << halving << ": " << previous << " -> " << finer;
-    previous = finer;
-  }
-}
-
 TEST(MbsVerlet, TorqueFreeAsymmetricTopFollowsTheEllipticSolution) {
   const Eigen::Vector3d moments(1.0, 1.6, 2.2);
   const FreeAsymmetricTop exact(moments, 1.5, 3.0);
   const double duration = 1.0;
-  expect_second_order(SimTime(8'000'000), [&](SimTime h) {
+  expect_order(2.0, SimTime(8'000'000), [&](SimTime h) {
     Params params = verlet_params(h);
     BodyParams top = body_at("top", 1.0, Eigen::Vector3d::Zero(), moments);
     top.q_WB = exact.attitude(0.0);
@@ -51,34 +39,10 @@ TEST(MbsVerlet, TorqueFreeAsymmetricTopFollowsTheEllipticSolution) {
   });
 }
 
-/// Largest errors (rad and m/s) of a pendulum of mass 2 kg at l = 0.5 m, see mbs_order_test.cpp.
-std::pair<double, double> pendulum_errors(SimTime h) {
-  const double l = 0.5, g = 9.81, mass = 2.0, moment = 0.3, theta0 = 2.0;
-  const double omega0 = std::sqrt(mass * g * l / (moment + mass * l * l));
-  const double k = std::sin(theta0 / 2);
-  Params params = verlet_params(h);
-  params.gravity_m_per_s2 = {0.0, 0.0, -g};
-  const Eigen::Vector3d p(l * std::sin(theta0), 0.0, -l * std::cos(theta0));
-  params.bodies = {body_at("bob", mass, p, {0.3, moment, 0.2})};
-  params.joints = {joint_between("pivot", JointKind::Hinge, "bob", kWorld, Eigen::Vector3d::Zero(),
-                                 -Eigen::Vector3d::UnitY())};
-  RigidWorld world(params);
-  double angle = 0.0, velocity = 0.0;
-  for (int i = 1; i <= steps_of(1.0, h); ++i) {
-    run(world, h, 1);
-    const JacobiElliptic f = jacobi_elliptic(omega0 * to_seconds(world.state().time), k);
-    const double theta = 2.0 * std::asin(k * f.cn / f.dn);
-    angle = std::max(angle, std::abs(theta0 + world.state().joint_coordinates[0][0] - theta));
-    // ½ θ̇² = ω0² (cos θ − cos θ0): the speed of the centre of mass on its circle.
-    const double rate = omega0 * std::sqrt(2.0 * std::max(0.0, std::cos(theta) - std::cos(theta0)));
-    velocity = std::max(velocity, std::abs(world.state().bodies[0].v_WB.norm() - l * rate));
-  }
-  return {angle, velocity};
-}
-
 TEST(MbsVerlet, PhysicalPendulumIsOfSecondOrderInAngleAndVelocity) {
-  expect_second_order(SimTime(1'000'000), [](SimTime h) { return pendulum_errors(h).first; });
-  expect_second_order(SimTime(1'000'000), [](SimTime h) { return pendulum_errors(h).second; });
+  const auto errors = [](SimTime h) { return pendulum_errors(verlet_params(h), h); };
+  expect_order(2.0, SimTime(1'000'000), [&](SimTime h) { return errors(h).angle_rad; });
+  expect_order(2.0, SimTime(1'000'000), [&](SimTime h) { return errors(h).speed_m_per_s; });
 }
 
 /// m ẍ + c ẋ + k x = f sin(Ω t) with x(0) = a, ẋ(0) = 0, as two free vibrations and one forced one.
@@ -99,7 +63,7 @@ TEST(MbsVerlet, DrivenSpringDamperOscillatorIsOfSecondOrderInPositionAndVelocity
   // Central difference of the closed form: 1e-10 relative.
   const double v_exact = (x_exact(duration + 1e-5) - x_exact(duration - 1e-5)) / 2e-5;
   for (const bool velocity : {false, true}) {
-    expect_second_order(SimTime(4'000'000), [&](SimTime h) {
+    expect_order(2.0, SimTime(4'000'000), [&](SimTime h) {
       Params params = verlet_params(h);
       params.bodies = {body_at("mass", mass, {1.0 + a, 0.0, 0.0})};
       params.springs = {{.name = "spring",
