@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "fem_process/macro_step_wrench.h"
 #include "fem_process/held.h"
+#include "fem_process/macro_step_wrench.h"
 #include "fem_process/step_energy.h"
 #include "protocol/contract/error.h"
 

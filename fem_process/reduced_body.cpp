@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "fem_process/macro_step_wrench.h"
 #include "fem_process/held.h"
+#include "fem_process/macro_step_wrench.h"
 #include "fem_process/reduced_tangent.h"
 #include "protocol/contract/error.h"
 
