@@ -55,6 +55,9 @@ std::vector<std::string> settings(const Case& c) {
          "ports.right.attachment=bushing", "--set",
          "ports.right.bushing={stiffness_N_per_m: [3e4, 3e4, 3e4], stiffness_Nm_per_rad: [40, 40, "
          "40], damping_Ns_per_m: [5, 5, 5]}"});
+  } else if (kind == "micro") {
+    arguments.insert(arguments.end(),
+                     {"--scheme", "interface_jacobian", "--set", "fem.micro_step_s=0.00025"});
   } else if (kind == "second") {
     arguments.insert(arguments.end(),
                      {"--set", "mbs.integrator=verlet", "--set", "fem.integrator.kind=hht", "--set",
@@ -195,6 +198,12 @@ INSTANTIATE_TEST_SUITE_P(Nodal, SameBits,
 INSTANTIATE_TEST_SUITE_P(LoosePorts, SameBits,
                          testing::Values(Case{"two_masses", "loose_ports", "cholmod"},
                                          Case{"two_masses", "loose_ports", "pcg"}),
+                         name_of);
+
+// The learned interface Jacobian, and one factor for all micro steps.
+INSTANTIATE_TEST_SUITE_P(MicroSteps, SameBits,
+                         testing::Values(Case{"lug", "micro_steps", "cholmod"},
+                                         Case{"two_masses", "micro_steps", "pcg"}),
                          name_of);
 
 class Repeated : public SameBits {};
