@@ -68,8 +68,8 @@ Key motor_key() {
   motor.title = "Motor";
   motor.doc =
       "Drives one coordinate of a hinge, slider, universal or hinge2 joint along a law of time: "
-      "its rate (speed), or its value (position). The pose at t = 0 belongs to a position law's "
-      "value at t = 0.";
+      "its rate (speed; the coordinate follows the integral of the law), or its value (position). "
+      "The pose at t = 0 belongs to a position law's value at t = 0.";
   motor.keys = {
       scenario::choice("kind", {"speed", "position"})
           .must()

@@ -312,12 +312,11 @@ void RigidWorld::add_gyroscopic_torques(const State& state, std::vector<BodyWren
 
 void RigidWorld::command_motors(const State& state, double h_s, bool at_end) {
   const double t = to_seconds(state.time);
-  const bool verlet = params_.integrator == IntegratorKind::Verlet;
   for (std::size_t j = 0; j < params_.joints.size(); ++j) {
     const auto& motor = params_.joints[j].motor;
     if (!motor) continue;
-    // Over a step of Verlet's the rate is that of its middle.
-    double speed = motor->law(verlet && !at_end ? t + 0.5 * h_s : t + h_s);
+    // The mean over the step: the rate at its end would leave the joint ahead by h/2 of the law.
+    double speed = at_end ? motor->law(t + h_s) : motor->law.mean(t, t + h_s);
     if (motor->kind == MotorParams::Kind::Position && at_end) {
       speed = (motor->law(t + 1.5 * h_s) - motor->law(t + 0.5 * h_s)) / h_s;
     } else if (motor->kind == MotorParams::Kind::Position) {

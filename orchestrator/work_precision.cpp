@@ -69,11 +69,23 @@ PrecisionRow measure(const Model& model, const std::string& scheme, Mode mode,
   return row;
 }
 
+/// Equal runs would share a folder.
+template <class T>
+void require_each_once(const char* option, const std::vector<T>& values) {
+  for (const T& value : values) {
+    require(std::count(values.begin(), values.end(), value) == 1,
+            fmt::format("{}: {} is named twice. Name it once.", option, value));
+  }
+}
+
 }  // namespace
 
 WorkPrecision work_precision(
     const std::function<Model(const std::string& scheme, double step_s, double tolerance)>& load,
     const WorkPrecisionOptions& options) {
+  require_each_once("--schemes", options.schemes);
+  require_each_once("--steps", options.steps_s);
+  require_each_once("--tolerances", options.tolerances);
   std::vector<std::string> schemes = options.schemes;
   if (schemes.empty()) schemes.push_back("");
   const double least_s = *std::min_element(options.steps_s.begin(), options.steps_s.end());

@@ -8,8 +8,8 @@ tandem_test(coupled_unit
   SOURCES unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp
   LIBS coupled_support LABELS unit)
 tandem_test(coupled_convergence
-  SOURCES convergence/coupled_free_pair.cpp convergence/coupled_orders.cpp convergence/coupled_second_order.cpp
-    convergence/coupled_systems.cpp
+  SOURCES convergence/coupled_adaptive.cpp convergence/coupled_free_pair.cpp convergence/coupled_orders.cpp
+    convergence/coupled_second_order.cpp convergence/coupled_systems.cpp
   LIBS coupled_support LABELS convergence)
 tandem_test(coupled_reference
   SOURCES reference/coupled_nodal.cpp reference/coupled_reduction.cpp reference/coupled_slider_crank.cpp reference/coupled_truth.cpp

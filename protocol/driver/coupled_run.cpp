@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "protocol/contract/error.h"
@@ -47,14 +48,10 @@ class CoupledRun {
         mbs_(metered_mbs_, journal_),
         fem_(metered_fem_, journal_),
         scheme_(params.make_scheme(ports_)),
-        monitor_(params.coupling.divergence_growth, ports_),
-        controller_(params.coupling, params.run.macro_step) {
+        monitor_(params.coupling.divergence_growth, ports_) {
     require_same_ports(mbs.side.info().ports);
     report_.scheme = params.scheme_name;
-    if (params.scheme_name == to_string(SchemeKind::Tlm)) {
-      const double H_s = to_seconds(params.run.macro_step);
-      report_.parasitic_mass_kg = params.coupling.tlm.stiffness_N_per_m * H_s * H_s;
-    }
+    if (params.scheme_name == to_string(SchemeKind::Tlm)) report_.parasitic_mass_kg = 0.0;
     for (const PortInfo& port : ports_) report_.port_names.push_back(port.name);
   }
 
@@ -82,6 +79,9 @@ class CoupledRun {
   void initialize() {
     state_.motions = mbs_.initialize(WrenchSet(ports_.size()));
     state_.wrenches = fem_.initialize(state_.motions);
+    if (params_.coupling.adaptive.active()) {
+      controller_.emplace(params_.coupling, params_.run.macro_step, ports_, state_.motions);
+    }
     observe(report_.energy_start);
     wire::StepRecord step;
     if (params_.energy_every_steps > 0) step.energy = report_.energy_start;
@@ -123,18 +123,18 @@ class CoupledRun {
   /// checkpoint, shorter and shorter, until the controller accepts it. The iterations are those of
   /// all attempts.
   MacroStepEnd advance(SimTime& H) {
-    if (!params_.coupling.adaptive.active()) {
+    if (!controller_) {
       H = params_.run.macro_step;
       return scheme_->advance(H, state_, mbs_, fem_);
     }
     std::int32_t discarded_iterations = 0;
     for (;;) {
-      H = controller_.step(params_.run.duration - state_.time);
+      H = controller_->step(params_.run.duration - state_.time);
       MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
       end.iterations += discarded_iterations;
-      if (controller_.accepts(H, end, state_)) {
+      if (controller_->accepts(H, end, state_)) {
         const bool solved = end.outcome == Outcome::Done;
-        report_.steps_beyond_tolerance += solved && controller_.beyond_tolerance() ? 1 : 0;
+        report_.steps_beyond_tolerance += solved && controller_->beyond_tolerance() ? 1 : 0;
         return end;
       }
       discarded_iterations = end.iterations;
@@ -209,6 +209,11 @@ class CoupledRun {
   void accept(std::int64_t n, SimTime t_end, const MacroStepEnd& end) {
     report_.macro_steps = n;
     report_.simulated = t_end;
+    if (report_.parasitic_mass_kg) {
+      const double H_s = to_seconds(t_end - state_.time);
+      const double mass_kg = params_.coupling.tlm.stiffness_N_per_m * H_s * H_s;
+      report_.parasitic_mass_kg = std::max(*report_.parasitic_mass_kg, mass_kg);
+    }
     state_.history.insert(state_.history.begin(), {state_.time, state_.motions, state_.wrenches});
     if (state_.history.size() > InterfaceState::kHistory) state_.history.pop_back();
     state_.time = t_end;
@@ -276,7 +281,7 @@ class CoupledRun {
   wire::JournaledFem fem_;
   std::unique_ptr<Scheme> scheme_;
   DivergenceMonitor monitor_;
-  StepController controller_;
+  std::optional<StepController> controller_;  ///< of adaptive steps
   InterfaceState state_;
   RunReport report_;
   double last_record_s_ = 0.0, last_wait_s_ = 0.0;

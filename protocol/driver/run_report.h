@@ -35,7 +35,7 @@ struct RunReport {
   std::int64_t not_converged_steps = 0;
   std::int64_t rejected_steps = 0;          ///< macro steps made again with a shorter one
   std::int64_t steps_beyond_tolerance = 0;  ///< adaptive ones that could not be made shorter
-  std::optional<double> parasitic_mass_kg;  ///< of the line at each port, with tlm
+  std::optional<double> parasitic_mass_kg;  ///< of the line at each port, with tlm (largest)
   Ledger ledger;
   std::vector<double>
       exchange_us;  ///< per macro step: transfer time / exchanges (sorted at the end)

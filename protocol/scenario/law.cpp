@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -38,9 +39,47 @@ struct Evaluate {
   }
 };
 
+/// The mean of a law that is linear between the knots is made of trapezoids.
+struct Mean {
+  double begin_s, end_s;
+
+  double operator()(const ConstantLaw& law) const { return law.value; }
+
+  double operator()(const RampLaw& law) const {
+    return of_trapezoids(law, std::array{law.begin_s, law.end_s});
+  }
+
+  double operator()(const HarmonicLaw& law) const {
+    const double half_angle = std::numbers::pi * law.frequency_Hz * (end_s - begin_s);
+    const double middle = Evaluate{0.5 * (begin_s + end_s)}(law);
+    return law.offset + (middle - law.offset) * std::sin(half_angle) / half_angle;
+  }
+
+  double operator()(const TableLaw& law) const { return of_trapezoids(law, law.times_s); }
+
+  template <class L, class Knots>
+  [[nodiscard]] double of_trapezoids(const L& law, const Knots& knots) const {
+    double sum = 0.0;
+    double t_s = begin_s;
+    const auto add_until = [&](double next_s) {
+      sum += 0.5 * (Evaluate{t_s}(law) + Evaluate{next_s}(law)) * (next_s - t_s);
+      t_s = next_s;
+    };
+    for (const double knot_s : knots) {
+      if (knot_s > t_s && knot_s < end_s) add_until(knot_s);
+    }
+    add_until(end_s);
+    return sum / (end_s - begin_s);
+  }
+};
+
 }  // namespace
 
 double Law::operator()(double t_s) const { return std::visit(Evaluate{t_s}, law_); }
+
+double Law::mean(double begin_s, double end_s) const {
+  return std::visit(Mean{begin_s, end_s}, law_);
+}
 
 namespace scenario {
 namespace {

@@ -31,6 +31,9 @@ class Law {
   template <class L>
   explicit Law(L law) : law_(std::move(law)) {}
   [[nodiscard]] double operator()(double t_s) const;
+  /// The mean value between two times, begin < end: ∫ value dt / (end − begin), exact for every
+  /// kind.
+  [[nodiscard]] double mean(double begin_s, double end_s) const;
 
  private:
   std::variant<ConstantLaw, RampLaw, HarmonicLaw, TableLaw> law_;

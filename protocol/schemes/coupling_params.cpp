@@ -181,13 +181,14 @@ scenario::Key adaptive_key() {
   const AdaptiveParams d;
   scenario::Section content{
       "Adaptive macro step",
-      "The macro step follows the interface energy that the prediction gets wrong; "
-      "run.macro_step_s is the first one.",
+      "The macro step follows the error which it makes at the ports; run.macro_step_s is the first "
+      "one.",
       {scenario::real("tolerance", "")
            .doc_is(
-               "Power that the prediction gets wrong (of wrenches in explicit schemes, of motions "
-               "in converged ones), relative to the largest power at the ports so far, above "
-               "which a macro step is made again; 0 = fixed steps.")
+               "Error above which a macro step is made again: of the ports' positions, relative "
+               "to the size of the interface (the diagonal of the box around the ports, or the "
+               "largest port length); in explicit schemes also of the interface power, "
+               "relative to the largest so far. 0 = fixed steps.")
            .between(0.0, 1.0)
            .by_default(number(d.tolerance)),
        scenario::real("min_step_s", "s")
@@ -233,9 +234,11 @@ scenario::Key coupling_keys() {
            .at_least(0.0)
            .by_default(number(d.tolerance_N)),
        real("relative_tolerance", "")
-           .doc_is("Part of the residual that counts as converged, relative to the wrench norm.")
-           .between(0.0, 1.0)
-           .by_default(number(d.relative_tolerance)),
+           .doc_is(fmt::format(
+               "Part of the residual that counts as converged, relative to the wrench norm. Left "
+               "out: {}, with adaptive steps {}, which is far below their own error.",
+               CouplingParams::kFixedStepTolerance, CouplingParams::kAdaptiveStepTolerance))
+           .between(0.0, 1.0),
        choice("relaxation", choices_of(kRelaxations))
            .doc_is("Accelerator of `implicit`: a constant factor, Aitken's adapted one, or a "
                    "quasi-Newton method on the columns of this macro step (anderson), of the last "
@@ -271,13 +274,16 @@ scenario::Key coupling_keys() {
 
 CouplingParams read_coupling(const scenario::Node& root) {
   const scenario::Node node = root.section("coupling");
+  const AdaptiveParams adaptive = read_adaptive(node.section("adaptive"));
   return CouplingParams{
       .scheme = value_of(kSchemes, node.text("scheme")),
       .prediction = value_of(kPredictions, node.text("prediction")),
       .motion_prediction = value_of(kPredictions, node.text("motion_prediction")),
       .max_iterations = static_cast<std::int32_t>(node.integer("max_iterations")),
       .tolerance_N = node.real("tolerance_N"),
-      .relative_tolerance = node.real("relative_tolerance"),
+      .relative_tolerance = node.has("relative_tolerance") ? node.real("relative_tolerance")
+                            : adaptive.active()            ? CouplingParams::kAdaptiveStepTolerance
+                                                           : CouplingParams::kFixedStepTolerance,
       .tolerance_m_per_s = node.real("tolerance_m_per_s"),
       .iteration = value_of(kIterations, node.text("iteration")),
       .relaxation = value_of(kRelaxations, node.text("relaxation")),
@@ -286,7 +292,7 @@ CouplingParams read_coupling(const scenario::Node& root) {
       .jacobian = read_jacobian(node.section("jacobian")),
       .retained_inertia = read_retained_inertia(node.section("retained_inertia")),
       .tlm = {.stiffness_N_per_m = node.section("tlm").real("stiffness_N_per_m")},
-      .adaptive = read_adaptive(node.section("adaptive")),
+      .adaptive = adaptive,
       .on_not_converged = value_of(kOnNotConverged, node.text("on_not_converged")),
       .divergence_growth = node.real("divergence_growth"),
   };

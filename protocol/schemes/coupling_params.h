@@ -43,7 +43,7 @@ struct TlmParams {
 
 /// Section `coupling.adaptive`, see StepController.
 struct AdaptiveParams {
-  double tolerance = 0.0;           ///< of the predicted energy defect; 0 = fixed steps
+  double tolerance = 0.0;           ///< of a macro step's error; 0 = fixed steps
   std::optional<SimTime> min_step;  ///< and the unit of all steps; none = run.macro_step / 32
   std::optional<SimTime> max_step;  ///< none = 32 run.macro_step
   [[nodiscard]] bool active() const { return tolerance > 0.0; }
@@ -58,6 +58,10 @@ struct QuasiNewtonParams {
 
 /// Section `coupling` of a scenario. Defaults stand here alone; the key table prints them.
 struct CouplingParams {
+  static constexpr double kFixedStepTolerance = 1e-12;
+  /// Of adaptive steps, whose own error is far larger: the wrench's residual adds this part to it.
+  static constexpr double kAdaptiveStepTolerance = 1e-8;
+
   SchemeKind scheme = SchemeKind::InterfaceNewton;
   Prediction prediction = Prediction::Linear;         ///< of the wrenches
   Prediction motion_prediction = Prediction::Linear;  ///< of the motions, in parallel schemes
@@ -65,7 +69,7 @@ struct CouplingParams {
   /// Converged when ‖r‖ ≤ tolerance_N + relative_tolerance · ‖λ‖ with r = Λ(M(λ)) − λ and torques
   /// scaled by the port lengths.
   double tolerance_N = 1e-11;
-  double relative_tolerance = 1e-12;
+  double relative_tolerance = kFixedStepTolerance;
   /// Absolute part of the velocity residual of parallel iterations that counts as converged.
   double tolerance_m_per_s = 1e-12;
   Iteration iteration = Iteration::Serial;

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "protocol/contract/error.h"
@@ -25,6 +26,17 @@ Eigen::MatrixXd by_twist(const InterfaceJacobian& fem, double H_s) {
   return columns;
 }
 
+/// What the rounding of the motions makes of the wrenches that answer them: |∂Λ/∂m| ε |m|.
+Eigen::VectorXd rounding_N(const InterfaceJacobian& fem, const MotionSet& motions) {
+  Eigen::VectorXd size(fem.cols());
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    const Motion& m = motions[i];
+    size.segment<12>(12 * static_cast<Eigen::Index>(i)) << m.p_WP.cwiseAbs(),
+        Eigen::Vector3d::Ones(), m.v_WP.cwiseAbs(), m.w_WP.cwiseAbs();
+  }
+  return fem.cwiseAbs() * size * std::numeric_limits<double>::epsilon();
+}
+
 }  // namespace
 
 LineEnd::LineEnd(std::unique_ptr<FemSide> inner, double stiffness_N_per_m)
@@ -45,13 +57,15 @@ WrenchSet LineEnd::initialize(const MotionSet& motions) {
 StepResult<WrenchSet> LineEnd::advance(const StepRequest<MotionSet>& request) {
   const double start_s = now_s();
   const State begin = state_;
+  const Eigen::VectorXd Z = line_impedance(stiffness_N_per_m_, request.step, info_.ports);
   if (state_.Z.size() == 0) {
-    state_.Z = line_impedance(stiffness_N_per_m_, request.step, info_.ports);
+    state_.Z = Z;
     state_.a1_next = state_.lambda2 + state_.Z.cwiseProduct(twists(state_.motions));
     state_.a1 = state_.a1_next;
   }
-  // λ1 = a1 − Z V1 arrived with V1; what leaves end 1 is λ1 − Z V1.
+  // λ1 = a1 − Z V1 arrived with V1; what leaves end 1 is λ1 − Z V1, with the Z of that step.
   const Eigen::VectorXd a2 = state_.a1 - 2.0 * state_.Z.cwiseProduct(twists(request.input.begin));
+  state_.Z = Z;
   MotionSet motions;
   StepResult<WrenchSet> result = solve(request, a2, motions);
   if (result.outcome == Outcome::Failed) {
@@ -99,7 +113,9 @@ StepResult<WrenchSet> LineEnd::solve(const StepRequest<MotionSet>& request,
       return wrench_norm_N(unstack_wrenches(x), info_.ports);
     };
     const double scale_N = std::max({norm_N(a2), norm_N(damped), norm_N(lambda)});
-    if (norm_N(residual) <= kNegligible_N + kTolerance * scale_N) return result;
+    const double limit_N =
+        kNegligible_N + kTolerance * scale_N + norm_N(rounding_N(state_.block.value(), motions));
+    if (norm_N(residual) <= limit_N) return result;
     if (k == kMostEvaluations) {
       result.outcome = Outcome::NotConverged;
       result.message = fmt::format(

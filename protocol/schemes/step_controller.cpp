@@ -1,7 +1,9 @@
 #include "protocol/schemes/step_controller.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tandem {
 namespace {
@@ -10,54 +12,67 @@ constexpr double kSafety = 0.9;
 constexpr double kMostShrink = 0.3;
 constexpr double kMostGrowth = 2.0;
 /// Below this an interface is at rest and any step is good.
-constexpr double kNegligible_W = 1e-12;
+constexpr double kNegligible_J = 1e-15;
+/// Of the interface energy over a streak of steps that overshoot.
+constexpr double kUnstableGrowth = 10.0;
+/// Of the interface energy from one step that overshoots to the next: fewer such steps than a
+/// streak is long make the run diverge.
+constexpr double kMostSwing = 4.0;
+/// A step much too short says little of how much longer the next may be.
+constexpr double kLeastRatio = 1e-5;
 
-double wrench_defect_W(const MacroStepEnd& end, const WrenchSet& predicted) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < predicted.size(); ++i) {
-    sum += std::abs((end.wrenches[i].f_P_W - predicted[i].f_P_W).dot(end.motions[i].v_WP) +
-                    (end.wrenches[i].t_P_W - predicted[i].t_P_W).dot(end.motions[i].w_WP));
-  }
-  return sum;
+/// Interface energy that the step has made or lost.
+double created_J(SimTime H, const MacroStepEnd& end) {
+  double sum_J = 0.0;
+  for (const double defect_J : energy_defects_J(H, end)) sum_J += std::abs(defect_J);
+  return sum_J;
 }
 
-double motion_defect_W(const MacroStepEnd& end, const MotionSet& predicted) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < predicted.size(); ++i) {
-    sum += end.wrenches[i].f_P_W.norm() * (end.motions[i].v_WP - predicted[i].v_WP).norm() +
-           end.wrenches[i].t_P_W.norm() * (end.motions[i].w_WP - predicted[i].w_WP).norm();
-  }
-  return sum;
-}
-
-double power_scale_W(const MacroStepEnd& end) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < end.wrenches.size(); ++i) {
-    sum += end.wrenches[i].f_P_W.norm() * end.motions[i].v_WP.norm() +
-           end.wrenches[i].t_P_W.norm() * end.motions[i].w_WP.norm();
-  }
-  return sum;
+/// The diagonal of the box around the ports, or the largest port length where that is more.
+double size_m(const std::vector<PortInfo>& ports, const MotionSet& motions) {
+  Eigen::AlignedBox3d box;
+  for (const Motion& motion : motions) box.extend(motion.p_WP);
+  double size = motions.empty() ? 0.0 : box.diagonal().norm();
+  for (const PortInfo& port : ports) size = std::max(size, port.length_m);
+  return size;
 }
 
 }  // namespace
 
-StepController::StepController(const CouplingParams& params, SimTime first_step)
+StepController::StepController(const CouplingParams& params, SimTime first_step,
+                               std::vector<PortInfo> ports, const MotionSet& start)
     : coupling_(params),
-      converged_(params.scheme == SchemeKind::Implicit ||
-                 params.scheme == SchemeKind::InterfaceNewton),
-      order_(1.0 + static_cast<double>(converged_ ? params.motion_prediction : params.prediction)),
+      ports_(std::move(ports)),
+      iterates_(params.scheme == SchemeKind::Implicit ||
+                params.scheme == SchemeKind::InterfaceNewton),
+      explicit_(params.scheme == SchemeKind::ExplicitSerial ||
+                params.scheme == SchemeKind::ExplicitParallel),
+      size_m_(size_m(ports_, start)),
+      monitor_(kUnstableGrowth, ports_),
       shortest_(params.adaptive.min_step.value_or(std::max(first_step / 32, SimTime(1)))),
       longest_(params.adaptive.max_step.value_or(32 * first_step)),
       next_(first_step) {
   next_ = rounded(static_cast<double>(first_step.count()));
 }
 
-double StepController::defect_W(SimTime H, const MacroStepEnd& end,
-                                const InterfaceState& begin) const {
-  if (converged_) {
-    return motion_defect_W(end, predict_motions(coupling_.motion_prediction, begin, H));
+double StepController::position_error_m(SimTime H, const MacroStepEnd& end,
+                                        const InterfaceState& begin) const {
+  const double H_s = to_seconds(H);
+  const Eigen::VectorXd moved = difference(begin.motions, end.motions);
+  const Eigen::VectorXd u = twists(begin.motions);
+  const Eigen::VectorXd u_end = twists(end.motions);
+  const Eigen::VectorXd d_u = u_end - twists(predict_motions(Prediction::Linear, begin, H));
+  double worst_m = 0.0;
+  for (std::size_t i = 0; i < ports_.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const auto norm_m = [&](const Eigen::Matrix<double, 6, 1>& x) {
+      return x.head<3>().norm() + ports_[i].length_m * x.tail<3>().norm();
+    };
+    const Eigen::Matrix<double, 6, 1> d =
+        moved.segment<6>(12 * k) - 0.5 * H_s * (u.segment<6>(6 * k) + u_end.segment<6>(6 * k));
+    worst_m = std::max(worst_m, norm_m(d) + norm_m(H_s / 12.0 * d_u.segment<6>(6 * k)));
   }
-  return wrench_defect_W(end, predict_wrenches(coupling_.prediction, begin, H));
+  return worst_m;
 }
 
 SimTime StepController::rounded(double step_ns) const {
@@ -67,30 +82,53 @@ SimTime StepController::rounded(double step_ns) const {
 
 SimTime StepController::step(SimTime remaining) const { return std::min(next_, remaining); }
 
+double StepController::ratio_of(SimTime H, const MacroStepEnd& end, const InterfaceState& begin,
+                                double largest_wrench_N) const {
+  const double allowed_m = coupling_.adaptive.tolerance * size_m_;
+  double error = position_error_m(H, end, begin) / allowed_m;
+  if (!iterates_) {
+    error = std::max(error, created_J(H, end) / (allowed_m * largest_wrench_N + kNegligible_J));
+  }
+  return std::sqrt(error);
+}
+
+bool StepController::swings_up(SimTime H, const MacroStepEnd& end) const {
+  const double before_J = std::max(created_J_[0], created_J_[1]);
+  return explicit_ && before_J > kNegligible_J &&
+         end.residual_N > 0.5 * wrench_norm_N(end.wrenches, ports_) &&
+         created_J(H, end) > kMostSwing * before_J;
+}
+
+void StepController::limit_where_unstable(SimTime H, const MacroStepEnd& end) {
+  created_J_ = {created_J(H, end), created_J_[0]};
+  if (!monitor_.check(H, end)) return;
+  longest_ = rounded(0.5 * static_cast<double>(H.count()));
+  monitor_ = DivergenceMonitor(kUnstableGrowth, ports_);
+}
+
 bool StepController::accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin) {
   const auto H_ns = static_cast<double>(H.count());
-  double error = 1.0;
-  double largest_power_W = largest_power_W_;
-  if (end.outcome == Outcome::Failed || !all_finite(end.motions) || !all_finite(end.wrenches)) {
-    error = std::pow(2.0 / kSafety, order_);  // half the step
-  } else {
-    largest_power_W = std::max(largest_power_W, power_scale_W(end));
-    error =
-        defect_W(H, end, begin) / (coupling_.adaptive.tolerance * largest_power_W + kNegligible_W);
-    if (end.outcome == Outcome::NotConverged) error = std::max(error, std::pow(2.0, order_));
+  double ratio = 2.0 / kSafety;  // half the step
+  double largest_wrench_N = largest_wrench_N_;
+  if (end.outcome != Outcome::Failed && all_finite(end.motions) && all_finite(end.wrenches)) {
+    largest_wrench_N = std::max(largest_wrench_N, wrench_norm_N(end.wrenches, ports_));
+    ratio = ratio_of(H, end, begin, largest_wrench_N);
+    if (end.outcome == Outcome::NotConverged) ratio = std::max(ratio, 2.0);
   }
-  error = std::max(error, 1e-10);
-  if (error > 1.0 && H > shortest_) {
-    const double factor = std::max(kMostShrink, kSafety * std::pow(error, -1.0 / order_));
+  if (swings_up(H, end)) ratio = std::max(ratio, 2.0);
+  ratio = std::max(ratio, kLeastRatio);
+  if (ratio > 1.0 && H > shortest_) {
+    const double factor = std::max(kMostShrink, kSafety / ratio);
     next_ = std::min(rounded(H_ns * factor), rounded(H_ns - 1.0));
     was_rejected_ = true;
     return false;
   }
-  double factor = kSafety * std::pow(error, -0.7 / order_) * std::pow(last_error_, 0.4 / order_);
+  if (explicit_) limit_where_unstable(H, end);
+  double factor = kSafety * std::pow(ratio, -0.7) * std::pow(last_ratio_, 0.4);
   factor = std::clamp(factor, kMostShrink, was_rejected_ ? 1.0 : kMostGrowth);
   next_ = rounded(H_ns * factor);
-  last_error_ = error;
-  largest_power_W_ = largest_power_W;
+  last_ratio_ = ratio;
+  largest_wrench_N_ = largest_wrench_N;
   was_rejected_ = false;
   return true;
 }

@@ -1,30 +1,48 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "protocol/schemes/coupling_params.h"
+#include "protocol/schemes/divergence_monitor.h"
 #include "protocol/schemes/macro_step.h"
 #include "protocol/schemes/prediction.h"
 
 namespace tandem {
 
-/// Chooses the macro step from the interface energy that the prediction has got wrong, as a power
-/// relative to the largest that has passed the ports so far, P = max Σ_ports |f||v| + |t||w|:
-///   explicit schemes   ε = Σ |(f_Λ − f_λ̂)·v + (t_Λ − t_λ̂)·w| / (tolerance · P),
-/// the energy which the step has created, λ̂ the predicted wrench, Λ the answer to it;
-///   converged schemes  ε = Σ (|f_Λ||v − v̂| + |t_Λ||w − ŵ|) / (tolerance · P),
-/// v̂, ŵ the predicted velocities: a converged step creates none, and its wrenches may carry waves
-/// that no step resolves, whose prediction would not become better with shorter steps.
-/// Of order p = 1, 2, 3 in H for hold, linear, quadratic prediction (motion_prediction where
-/// motions are compared). A step with ε > 1 is rejected. The next step is that of a
-/// proportional–integral controller [Gustafsson 1991; Söderlind 2002],
-///   H ← H · clamp(0.9 ε_n^(−0.7/p) ε_{n−1}^(0.4/p), 0.3, 2),
+/// Chooses the macro step from two estimates of its error, both relative to `tolerance`.
+///
+/// The position error of the worst port, against the size L of the interface (m): the diagonal of
+/// the box around the ports at the start, or the largest port length ℓ where that is more,
+///   ε_p = max_ports (‖d‖ + ‖e‖) / (tolerance · L),
+///   d = (m⁺ ⊖ m) − H/2 (u + u⁺),    e = H/12 (u⁺ − û),    ‖x‖ = |x_linear| + ℓ |x_angular|,
+/// m the pose, u = [v | w] the twist, û its linear prediction. d is what the side's integration
+/// differs from the trapezoidal rule: the local error of a first-order step, H²/2 · a. e estimates
+/// the error of the trapezoidal rule itself, H³/12 · ȧ. Of order 2 in H.
+///
+/// Schemes that do not iterate: the interface energy which the step has created (tlm: put into the
+/// line) against the largest wrench norm so far over the size,
+///   ε_E = H Σ |(f_Λ − f_λ)·v + (t_Λ − t_λ)·w| / (tolerance · L · max ‖Λ‖),
+/// λ the wrench that moved the rigid side, Λ the flexible side's answer. Of order 2 or more. A
+/// converged step creates none.
+///
+/// With ρ = max(√ε_p, √ε_E), about the step divided by the longest that keeps the tolerance, a step
+/// with ρ > 1 is rejected, and the next one is that of a proportional–integral controller
+/// [Gustafsson 1991; Söderlind 2002],
+///   H ← H · clamp(0.9 ρ_n^(−0.7) ρ_{n−1}^0.4, 0.3, 2),
 /// in whole multiples of the shortest step. Integer nanoseconds: the steps are the same in every
 /// run.
+///
+/// An explicit coupling that is unstable swings long before its errors are large. A step that
+/// overshoots (‖r‖ > ‖Λ‖/2) and creates four times the energy of the last two is rejected, too.
+/// Slower growth a DivergenceMonitor of factor 10 sees: no later step is longer than half of that
+/// one.
 class StepController {
  public:
-  StepController(const CouplingParams& params, SimTime first_step);
+  /// `start`: the ports' motions at t = 0.
+  StepController(const CouplingParams& params, SimTime first_step, std::vector<PortInfo> ports,
+                 const MotionSet& start);
 
   /// The step to make now, so that the end of the run is met exactly.
   [[nodiscard]] SimTime step(SimTime remaining) const;
@@ -35,19 +53,27 @@ class StepController {
   bool accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin);
 
   /// Whether the step accepted last was beyond the tolerance: it could not be made shorter.
-  [[nodiscard]] bool beyond_tolerance() const { return last_error_ > 1.0; }
+  [[nodiscard]] bool beyond_tolerance() const { return last_ratio_ > 1.0; }
 
  private:
   [[nodiscard]] SimTime rounded(double step_ns) const;
-  [[nodiscard]] double defect_W(SimTime H, const MacroStepEnd& end,
-                                const InterfaceState& begin) const;
+  [[nodiscard]] double ratio_of(SimTime H, const MacroStepEnd& end, const InterfaceState& begin,
+                                double largest_wrench_N) const;
+  [[nodiscard]] bool swings_up(SimTime H, const MacroStepEnd& end) const;
+  void limit_where_unstable(SimTime H, const MacroStepEnd& end);
+  [[nodiscard]] double position_error_m(SimTime H, const MacroStepEnd& end,
+                                        const InterfaceState& begin) const;
 
   CouplingParams coupling_;
-  bool converged_;  ///< whether the scheme iterates until both sides agree
-  double order_;
+  std::vector<PortInfo> ports_;
+  bool iterates_;  ///< whether the scheme ends with equal wrenches of both sides
+  bool explicit_;
+  double size_m_;  ///< L
+  DivergenceMonitor monitor_;
+  std::array<double, 2> created_J_{};  ///< in the last two accepted steps
   SimTime shortest_, longest_, next_;
-  double largest_power_W_ = 0.0;
-  double last_error_ = 1.0;
+  double largest_wrench_N_ = 0.0;
+  double last_ratio_ = 1.0;
   bool was_rejected_ = false;
 };
 

@@ -26,11 +26,11 @@ MacroStepEnd TransmissionLine::advance(SimTime H, const InterfaceState& state, M
   if (begun_ && state.time > *begun_) line_ = pending_;
   begun_ = state.time;
   const bool first = !line_.has_value();
-  const Eigen::VectorXd Z = first ? line_impedance(stiffness_N_per_m_, H, ports_) : line_->Z;
-  const Eigen::VectorXd V1 = Z.cwiseProduct(twists(state.motions));
+  const Eigen::VectorXd Z = line_impedance(stiffness_N_per_m_, H, ports_);
   const Eigen::VectorXd lambda2 = stack(state.wrenches);
   // At t = 0 the line is at rest between equal ends.
   const Eigen::VectorXd lambda1 = first ? lambda2 : line_->lambda1;
+  const Eigen::VectorXd V1 = (first ? Z : line_->Z).cwiseProduct(twists(state.motions));
   const Eigen::VectorXd a1 =
       first ? Eigen::VectorXd(lambda2 + V1) : Eigen::VectorXd(2.0 * lambda2 - line_->a2);
 

@@ -27,8 +27,12 @@ namespace tandem {
 /// stiffnesses it joins, so the coupling is unconditionally stable. The price is physical: the line
 /// has the compliance 1/k and the mass m = Z H = k H². [Auslander 1968; Krus et al. 1990]
 ///
+/// In a macro step an end takes λ1 V1 H = (a1² − (λ1 − Z V1)²) H/(4 Z) from the line, so what the
+/// waves carry is (a1² + a2²)/(4 k) whatever H: waves that left in a step of one length arrive in a
+/// step of another with their energy, and the line stays lossless with adaptive steps.
+///
 /// λ2 and V1 are what the sides exchange anyway. From λ2⁺ = a2 + Z V2⁺ the scheme knows Z V2
-/// without being told; LineEnd is the flexible side's end. The first macro step's H is the delay.
+/// without being told; LineEnd is the flexible side's end.
 class TransmissionLine final : public Scheme {
  public:
   TransmissionLine(const CouplingParams& params, std::vector<PortInfo> ports);
@@ -67,7 +71,7 @@ class LineEnd final : public FemSide {
   struct State {
     MotionSet motions;            ///< of the line's end 2
     Eigen::VectorXd lambda2;      ///< answered last
-    Eigen::VectorXd Z;            ///< empty before the first macro step
+    Eigen::VectorXd Z;            ///< of the last macro step; empty before the first
     Eigen::VectorXd a1, a1_next;  ///< waves that left for the rigid side at t_{n−1} and t_n
     JacobianBlock block{Refresh::Broyden, 1};
   };

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "tests/support/mbs_mechanisms.h"
 
@@ -153,23 +155,34 @@ WrenchSet load_on_motor() {
   return load;
 }
 
-// Without cfm the motor is rigid: the rate at the end of a step is the law's, whatever the load.
+// Without cfm the motor is rigid: the joint moves by ∫ law dt, whatever the load, and its rate over
+// each step is the law's mean.
 TEST(MbsMotion, SpeedMotorsFollowEveryLawToRoundOff) {
-  const std::vector<Law> laws = {constant(3.0), Law(RampLaw{0.01, 0.05, 0.0, 10.0}),
-                                 Law(HarmonicLaw{1.0, 2.0, 5.0, 0.3}),
-                                 Law(TableLaw{{0.0, 0.02, 0.05, 0.08}, {0.0, 4.0, -3.0, 2.0}})};
+  const HarmonicLaw sine{1.0, 2.0, 5.0, 0.3};
+  const auto integral_of_sine = [&](double t) {
+    const double rate = 2.0 * std::numbers::pi * sine.frequency_Hz;
+    return sine.offset * t -
+           sine.amplitude / rate * (std::cos(rate * t + sine.phase_rad) - std::cos(sine.phase_rad));
+  };
+  const std::vector<std::pair<Law, std::function<double(double)>>> laws = {
+      {constant(3.0), [](double t) { return 3.0 * t; }},
+      {Law(RampLaw{0.01, 0.05, 0.0, 10.0}),
+       [](double t) {
+         return t < 0.05 ? 125.0 * std::pow(std::max(0.0, t - 0.01), 2) : 0.2 + 10.0 * (t - 0.05);
+       }},
+      {Law(sine), integral_of_sine}};
   for (const JointKind kind : kDrivenKinds) {
-    for (const Law& law : laws) {
+    for (const auto& [law, integral] : laws) {
       RigidWorld world(driven_wheel({.kind = MotorParams::Kind::Speed, .law = law}, kind));
-      double coordinate = 0.0;
       for (int i = 1; i <= 100; ++i) {
         run(world, kMillisecond, 1, load_on_motor());
-        const double speed = law(to_seconds(world.state().time));
-        coordinate += 1e-3 * speed;
-        // A few ulps of rates up to 10 and of what the load adds in a step.
+        const double t = to_seconds(world.state().time);
+        // A few ulps of rates up to 10 and of what the load adds in a step; of the difference of
+        // two integrals, divided by the step.
         const BodyState& wheel = world.state().bodies[0];
-        EXPECT_NEAR(kind == JointKind::Hinge ? wheel.w_WB.z() : wheel.v_WB.z(), speed, 1e-13);
-        EXPECT_NEAR(coordinate_of(world), coordinate, 1e-13);
+        EXPECT_NEAR(kind == JointKind::Hinge ? wheel.w_WB.z() : wheel.v_WB.z(),
+                    (integral(t) - integral(t - 1e-3)) / 1e-3, 5e-13);
+        EXPECT_NEAR(coordinate_of(world), integral(t), 1e-13);
       }
     }
   }

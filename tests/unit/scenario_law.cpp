@@ -64,6 +64,28 @@ TEST(Law, TableOfOnePointIsConstant) {
   EXPECT_EQ(law_of("{kind: table, times_s: [2], values: [5]}")(0.0), 5.0);
 }
 
+// Means of straight pieces are those of trapezoids; all numbers are exact in binary.
+TEST(Law, MeanIsThatOfEveryPieceOfTheLaw) {
+  EXPECT_EQ(law_of("-2.5").mean(1.0, 3.0), -2.5);
+  const Law ramp = law_of("{kind: ramp, begin_s: 1, end_s: 3, value_begin: -2, value_end: 6}");
+  EXPECT_EQ(ramp.mean(0.0, 1.0), -2.0);
+  EXPECT_EQ(ramp.mean(1.5, 2.5), 2.0);
+  EXPECT_EQ(ramp.mean(0.0, 2.0), -1.0);  // −2 for a second, then 0 in the mean
+  EXPECT_EQ(ramp.mean(0.0, 4.0), 2.0);
+  const Law table = law_of("{kind: table, times_s: [0, 1, 3], values: [5, 7, -1]}");
+  EXPECT_EQ(table.mean(-1.0, 0.0), 5.0);
+  EXPECT_EQ(table.mean(0.5, 1.5), 6.25);  // 6.5 and 6
+  EXPECT_EQ(table.mean(-1.0, 4.0), 3.2);  // 5 + 6 + 2 · 3 − 1 over 5 s
+}
+
+// ∫ sin = −cos: over half a period the mean is 2/π, over a whole one nothing.
+TEST(Law, MeanOfAHarmonicIsItsIntegral) {
+  const Law law = law_of("{kind: harmonic, offset: 3, amplitude: 2, frequency_Hz: 0.5}");
+  EXPECT_NEAR(law.mean(0.0, 1.0), 3.0 + 2.0 * 2.0 / std::numbers::pi, 1e-15);
+  EXPECT_NEAR(law.mean(0.3, 2.3), 3.0, 1e-15);
+  EXPECT_NEAR(law.mean(0.25, 0.25 + 1e-9), law(0.25), 1e-8);
+}
+
 TEST(Law, KeysOfAnotherKindAreRefused) {
   expect_defect("torque_Nm: {kind: ramp, end_s: 1, value_end: 2, amplitude: 3}", table(),
                 "scenario.yaml:1:60: torque_Nm.amplitude: is not used when kind is ramp, only when "

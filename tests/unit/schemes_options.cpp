@@ -163,15 +163,19 @@ TEST(TransmissionLine, IsStableForEveryMassRatioAndStiffness) {
   for (double fem_kg : {0.01, 1.0, 100.0}) {
     for (double stiffness : {0.0, 1e3, 1e9}) {
       for (double line : {1e2, 1e5, 1e8}) {
-        Case c{.fem_kg = fem_kg, .stiffness = stiffness, .duration_s = 1.0};
-        c.coupling = {.scheme = SchemeKind::Tlm, .tlm = {.stiffness_N_per_m = line}};
-        const RunReport report = run_line(c);
-        ASSERT_EQ(report.status, RunStatus::Done) << report.message;
-        // Of the masses, the spring, and the line with the spring's force in it.
-        const double energy_J = 0.5 * (1.0 + fem_kg) + 0.5 * stiffness * 1e-4 +
-                                0.5 * std::pow(stiffness * 0.01, 2) / line;
-        EXPECT_LT(report.energy_end.sum().kinetic_J, 1.1 * energy_J)
-            << fem_kg << " kg, " << stiffness << " N/m, line " << line << " N/m";
+        for (double tolerance : {0.0, 1e-2}) {  // equal steps, and adaptive ones
+          Case c{.fem_kg = fem_kg, .stiffness = stiffness, .duration_s = 1.0};
+          c.coupling = {.scheme = SchemeKind::Tlm, .tlm = {.stiffness_N_per_m = line}};
+          c.coupling.adaptive.tolerance = tolerance;
+          const RunReport report = run_line(c);
+          ASSERT_EQ(report.status, RunStatus::Done) << report.message;
+          // Of the masses, the spring, and the line with the spring's force in it.
+          const double energy_J = 0.5 * (1.0 + fem_kg) + 0.5 * stiffness * 1e-4 +
+                                  0.5 * std::pow(stiffness * 0.01, 2) / line;
+          EXPECT_LT(report.energy_end.sum().kinetic_J, 1.1 * energy_J)
+              << fem_kg << " kg, " << stiffness << " N/m, line " << line << " N/m, tolerance "
+              << tolerance;
+        }
       }
     }
   }
@@ -182,6 +186,27 @@ TEST(TransmissionLine, ReportsItsParasiticMass) {
   c.coupling = {.scheme = SchemeKind::Tlm, .tlm = {.stiffness_N_per_m = 2e5}};
   EXPECT_NEAR(run_line(c).parasitic_mass_kg.value(), 0.2, 1e-12);  // k H²
   EXPECT_FALSE(run(Case{.stiffness = 10.0}).parasitic_mass_kg.has_value());
+}
+
+// With steps that change: of the longest.
+TEST(TransmissionLine, ReportsTheLargestParasiticMassOfAdaptiveSteps) {
+  Case c{.fem_kg = 1.0, .stiffness = 10.0};
+  c.coupling = {.scheme = SchemeKind::Tlm, .tlm = {.stiffness_N_per_m = 2e5}};
+  c.coupling.adaptive = {.tolerance = 1e-4, .max_step = 4 * kStep};
+  Journals journals;
+  MassMbs mbs(c.mbs_kg, {.x = 0.01, .v = 1.0});
+  const auto fem = prepared_for(c.coupling, std::make_unique<MassSpringFem>(c.fem_kg, c.stiffness));
+  const RunReport report =
+      run_coupled(scheme_run({sim_time_from_seconds(c.duration_s), sim_time_from_seconds(c.step_s)},
+                             c.coupling),
+                  {mbs}, {*fem}, journals);
+  SimTime longest{}, shortest = kStep;
+  for (std::size_t n = 1; n < journals.steps.size(); ++n) {
+    longest = std::max(longest, journals.steps[n].step.step);
+    shortest = std::min(shortest, journals.steps[n].step.step);
+  }
+  EXPECT_GT(longest, shortest);
+  EXPECT_NEAR(report.parasitic_mass_kg.value(), 2e5 * std::pow(to_seconds(longest), 2), 1e-12);
 }
 
 TEST(TransmissionLine, EndRollsBackToTheBit) {
