@@ -11,7 +11,8 @@ struct MicroStep {
   bool follows_macro_step = false;  ///< fem.micro_step_s is left out: steps of any macro step
 };
 
-/// From `fem.micro_step_s` and `run`. A macro step that is no whole multiple of it is a Usage error.
+/// From `fem.micro_step_s` and `run`. A macro step that is no whole multiple of it is a Usage
+/// error.
 [[nodiscard]] MicroStep read_micro_step(const scenario::Node& root);
 
 }  // namespace tandem::fem

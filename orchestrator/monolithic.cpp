@@ -12,10 +12,13 @@
 namespace tandem::orchestrator {
 namespace {
 
-/// A residual that no longer falls is round-off when it is below this part of the largest wrench or
-/// residual of the step, or below kNegligible_N (a system without forces has no scale of its own).
-constexpr double kRoundOffResidual = 1e-6;
+/// A residual that no longer falls is round-off when it is below this part of the wrench, or below
+/// kNegligible_N (a system without forces has no scale of its own), or what the rounding of the
+/// motions makes.
+constexpr double kRoundOffResidual = 1e-9;
 constexpr double kNegligible_N = 1e-9;
+/// Less than this from one iteration to the next is no Newton step: the port has turned too far.
+constexpr double kFast = 0.1;
 constexpr std::int32_t kMostIterations = 30;
 
 /// Matrix of the coupled interface system in (δm, δλ).
@@ -34,20 +37,26 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
                                      FemSide& fem) {
   WrenchSet lambda = predict_wrenches(Prediction::Linear, state, H);
   Eigen::PartialPivLU<Eigen::MatrixXd> coupled;
-  double scale_N = 0.0;
+  double round_off_N = 0.0;
   double smallest_N = std::numeric_limits<double>::infinity();
+  bool linearize = true;
+  floor_.begin_step();
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
     const Evaluation evaluation =
-        evaluate(H, state, lambda, {.mbs = k == 1, .fem = k == 1}, mbs, fem, ports_);
+        evaluate(H, state, lambda, {.mbs = linearize, .fem = linearize}, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
+    if (linearize) {
+      coupled.compute(coupled_matrix(evaluation.mbs_jacobian, evaluation.fem_jacobian));
+      round_off_N = wrench_round_off_N(evaluation.motions, evaluation.fem_jacobian, ports_);
+    }
     // Newton's residual falls by orders of magnitude until round-off; then it only wavers.
-    scale_N = std::max({scale_N, evaluation.wrench_N, end.residual_N});
-    const bool at_round_off =
-        end.residual_N > 0.1 * smallest_N &&
-        end.residual_N <= std::max(kNegligible_N, kRoundOffResidual * scale_N);
-    if (at_round_off || end.residual_N == 0.0) return end;
+    const bool falls = end.residual_N <= kFast * smallest_N;
+    const bool small = end.residual_N <= std::max({kNegligible_N, round_off_N,
+                                                   kRoundOffResidual * evaluation.wrench_N});
+    const bool wavers = floor_.reached(end.residual_N, evaluation.wrench_N);
+    if (end.residual_N == 0.0 || (small && !falls) || wavers) return end;
     if (k == kMostIterations) {
       end.outcome = Outcome::NotConverged;
       end.message = fmt::format(
@@ -57,10 +66,10 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
           end.residual_N, k);
       return end;
     }
+    linearize = !falls;
     smallest_N = std::min(smallest_N, end.residual_N);
     const Eigen::Index n_l = evaluation.residual.size();
     const Eigen::Index n_m = 2 * n_l;
-    if (k == 1) coupled.compute(coupled_matrix(evaluation.mbs_jacobian, evaluation.fem_jacobian));
     Eigen::VectorXd right_side = Eigen::VectorXd::Zero(n_m + n_l);
     right_side.tail(n_l) = evaluation.residual;
     lambda = unstack_wrenches(stack(lambda) + coupled.solve(right_side).tail(n_l));

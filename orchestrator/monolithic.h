@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "protocol/schemes/residual_floor.h"
 #include "protocol/schemes/scheme.h"
 
 namespace tandem::orchestrator {
@@ -16,17 +17,19 @@ namespace tandem::orchestrator {
 ///   [  I  −B ] [δm]   [  0 ]
 ///   [ −L   I ] [δλ] = [  r ],     r = Λ(M(λ)) − λ,
 /// is solved by LU for the 18 unknowns of each port, and the remaining nonlinearity (finite
-/// rotation of the ports within the step) is iterated until the residual no longer falls: there is
-/// no tolerance to choose. This is the direct integration of [MZ12], the reference for cost and for
-/// coupling error. Both sides must be objects of this process; one that cannot linearise is a Usage
-/// error.
+/// rotation of the ports within the step) is iterated, with new derivatives where the old ones are
+/// slow, until the residual no longer falls: there is no tolerance to choose. This is the direct
+/// integration of [MZ12], the reference for cost and for coupling error. Both sides must be objects
+/// of this process; one that cannot linearise is a Usage error.
 class MonolithicStep final : public Scheme {
  public:
   explicit MonolithicStep(std::vector<PortInfo> ports) : ports_(std::move(ports)) {}
   MacroStepEnd advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) override;
 
  private:
+  static constexpr std::int32_t kPatience = 3;
   std::vector<PortInfo> ports_;
+  ResidualFloor floor_{kPatience, 0.0};
 };
 
 }  // namespace tandem::orchestrator

@@ -1,6 +1,7 @@
 #include "protocol/schemes/evaluation.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "protocol/contract/error.h"
@@ -89,6 +90,19 @@ MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,
           .applied = applied,
           .iterations = iterations,
           .residual_N = evaluation.residual_N};
+}
+
+double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem,
+                          const std::vector<PortInfo>& ports) {
+  Eigen::VectorXd rounded(12 * static_cast<Eigen::Index>(ports.size()));
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    const Motion& m = motions[p];
+    rounded.segment<12>(12 * static_cast<Eigen::Index>(p))
+        << m.p_WP.cwiseAbs().array() + ports[p].length_m,
+        Eigen::Vector3d::Ones(), m.v_WP.cwiseAbs(), m.w_WP.cwiseAbs();
+  }
+  rounded *= 4.0 * std::numeric_limits<double>::epsilon();
+  return wrench_norm_N(unstack_wrenches(fem.cwiseAbs() * rounded), ports);
 }
 
 }  // namespace tandem

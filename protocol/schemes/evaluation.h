@@ -52,4 +52,10 @@ void roll_back(MbsSide& mbs, FemSide& fem);
 [[nodiscard]] MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,
                                   std::int32_t iterations);
 
+/// Round-off of the flexible side's wrench (N): what the rounding of its input, |m| times the
+/// machine's precision, does to it through L = ∂Λ/∂m. A stiff body that takes positions cannot be
+/// iterated below it. Angles are rounded as numbers of the size of one.
+[[nodiscard]] double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem,
+                                        const std::vector<PortInfo>& ports);
+
 }  // namespace tandem

@@ -39,22 +39,6 @@ std::int64_t micro_steps_of(const FemSide& fem, SimTime H) {
   return h > SimTime{} ? H / h : 1;
 }
 
-/// Round-off of the flexible side's wrench (N): what the rounding of its input, |m| times the
-/// machine's precision, does to it through L. A stiff body that takes positions cannot be iterated
-/// below it. Angles are rounded as numbers of the size of one.
-double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem,
-                          const std::vector<PortInfo>& ports) {
-  Eigen::VectorXd rounded(12 * static_cast<Eigen::Index>(ports.size()));
-  for (std::size_t p = 0; p < ports.size(); ++p) {
-    const Motion& m = motions[p];
-    rounded.segment<12>(12 * static_cast<Eigen::Index>(p))
-        << m.p_WP.cwiseAbs().array() + ports[p].length_m,
-        Eigen::Vector3d::Ones(), m.v_WP.cwiseAbs(), m.w_WP.cwiseAbs();
-  }
-  rounded *= 4.0 * std::numeric_limits<double>::epsilon();
-  return wrench_norm_N(unstack_wrenches(fem.cwiseAbs() * rounded), ports);
-}
-
 /// W of the flexible side's secants: makes all coordinates of a motion squares of m/s, angles as
 /// arcs at the port's length.
 Eigen::VectorXd motion_weights(const std::vector<PortInfo>& ports, SimTime H) {

@@ -2,11 +2,11 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
+#include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/transmission_line.h"
 
 namespace tandem {
@@ -24,17 +24,6 @@ Eigen::MatrixXd by_twist(const InterfaceJacobian& fem, double H_s) {
     columns.middleCols<6>(6 * i) = fem.middleCols<6>(12 * i + 6) + H_s * fem.middleCols<6>(12 * i);
   }
   return columns;
-}
-
-/// What the rounding of the motions makes of the wrenches that answer them: |∂Λ/∂m| ε |m|.
-Eigen::VectorXd rounding_N(const InterfaceJacobian& fem, const MotionSet& motions) {
-  Eigen::VectorXd size(fem.cols());
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    const Motion& m = motions[i];
-    size.segment<12>(12 * static_cast<Eigen::Index>(i)) << m.p_WP.cwiseAbs(),
-        Eigen::Vector3d::Ones(), m.v_WP.cwiseAbs(), m.w_WP.cwiseAbs();
-  }
-  return fem.cwiseAbs() * size * std::numeric_limits<double>::epsilon();
 }
 
 }  // namespace
@@ -113,8 +102,8 @@ StepResult<WrenchSet> LineEnd::solve(const StepRequest<MotionSet>& request,
       return wrench_norm_N(unstack_wrenches(x), info_.ports);
     };
     const double scale_N = std::max({norm_N(a2), norm_N(damped), norm_N(lambda)});
-    const double limit_N =
-        kNegligible_N + kTolerance * scale_N + norm_N(rounding_N(state_.block.value(), motions));
+    const double limit_N = kNegligible_N + kTolerance * scale_N +
+                           wrench_round_off_N(motions, state_.block.value(), info_.ports);
     if (norm_N(residual) <= limit_N) return result;
     if (k == kMostEvaluations) {
       result.outcome = Outcome::NotConverged;
