@@ -55,7 +55,7 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
     const bool falls = end.residual_N <= kFast * smallest_N;
     const bool small = end.residual_N <= std::max({kNegligible_N, round_off_N,
                                                    kRoundOffResidual * evaluation.wrench_N});
-    const bool wavers = floor_.reached(end.residual_N, evaluation.wrench_N);
+    const bool wavers = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N);
     if (end.residual_N == 0.0 || (small && !falls) || wavers) return end;
     if (k == kMostIterations) {
       end.outcome = Outcome::NotConverged;

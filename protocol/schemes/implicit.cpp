@@ -72,6 +72,15 @@ class RoundOff {
     constexpr double kUnit = std::numeric_limits<double>::epsilon();
     return 16.0 * kUnit * gain_ * twist_norm_m_per_s(motions_, ports_);
   }
+  /// With that of the poses over H, which a stiff side feels and a heavy one does not: how much of
+  /// it there is the evaluations do not tell.
+  [[nodiscard]] double most_N(double H_s) const {
+    double sum_m2 = 0.0;
+    for (std::size_t i = 0; i < motions_.size(); ++i) {
+      sum_m2 += motions_[i].p_WP.squaredNorm() + std::pow(ports_[i].length_m, 2);
+    }
+    return size_N() + std::numeric_limits<double>::epsilon() * gain_ * std::sqrt(sum_m2) / H_s;
+  }
 
  private:
   const std::vector<PortInfo>& ports_;
@@ -125,7 +134,8 @@ MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool acce
     accelerator_->observe(stack(lambda), evaluation.residual);
     round_off.observe(evaluation.motions, evaluation.wrenches);
     const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
-    const bool at_floor = floor_.reached(end.residual_N, evaluation.wrench_N);
+    const bool at_floor =
+        floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));
     if (end.residual_N <= limit_N || at_floor) return end;
     if (k == params_.max_iterations) {
       return not_converged(
@@ -167,7 +177,8 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
     const double limit_m_per_s =
         params_.tolerance_m_per_s +
         params_.relative_tolerance * twist_norm_m_per_s(evaluation.motions, ports_);
-    const bool at_floor = floor_.reached(end.residual_N, evaluation.wrench_N);
+    const bool at_floor =
+        floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));
     const bool same_wrench = end.residual_N <= limit_N || at_floor;
     if (same_wrench && residual_m_per_s <= limit_m_per_s) return end;
     if (k == params_.max_iterations) {

@@ -9,9 +9,9 @@ namespace tandem {
 /// no derivative. What the residual wavered at is kept for the next macro steps, which then need no
 /// further evaluations to see it.
 ///
-/// More than 1e-10 of the largest residual or wrench of the macro step, or more than 100
-/// tolerance_N where that is larger (joints may carry far more than the ports), is never taken for
-/// round-off.
+/// Never taken for round-off is more than the largest of 1e-10 of the largest residual or wrench of
+/// the macro step, 100 tolerance_N (joints may carry far more than the ports), and 100 times what
+/// the rounding of the motions makes of the wrench (a stiff mesh adds up that of its nodes).
 class ResidualFloor {
  public:
   /// `patience`: evaluations that do not halve the smallest residual of a macro step before it is
@@ -20,8 +20,9 @@ class ResidualFloor {
       : patience_(patience), negligible_N_(100.0 * tolerance_N) {}
 
   void begin_step();
-  /// Whether the residual of the macro step's next evaluation is round-off. ‖Λ‖ is `wrench_N`.
-  [[nodiscard]] bool reached(double residual_N, double wrench_N);
+  /// Whether the residual of the macro step's next evaluation is round-off. ‖Λ‖ is `wrench_N`,
+  /// what the rounding of the motions makes of it `round_off_N`.
+  [[nodiscard]] bool reached(double residual_N, double wrench_N, double round_off_N);
 
  private:
   std::int32_t patience_;

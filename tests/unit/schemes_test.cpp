@@ -282,26 +282,37 @@ TEST(CoupledRun, LedgerBooksEverySideInItsColumnAndNoTimeTwice) {
 TEST(ResidualFloor, IsWhatResidualsWaverAt) {
   ResidualFloor floor(1, 1e-11);
   floor.begin_step();
-  EXPECT_FALSE(floor.reached(1.0, 100.0));
-  EXPECT_FALSE(floor.reached(1e-9, 100.0));
-  EXPECT_TRUE(floor.reached(1.2e-9, 100.0));
+  EXPECT_FALSE(floor.reached(1.0, 100.0, 0.0));
+  EXPECT_FALSE(floor.reached(1e-9, 100.0, 0.0));
+  EXPECT_TRUE(floor.reached(1.2e-9, 100.0, 0.0));
   floor.begin_step();
-  EXPECT_FALSE(floor.reached(1e-9, 100.0));
-  EXPECT_TRUE(floor.reached(1.5e-9, 100.0));
+  EXPECT_FALSE(floor.reached(1e-9, 100.0, 0.0));
+  EXPECT_TRUE(floor.reached(1.5e-9, 100.0, 0.0));
   ResidualFloor large(1, 1e-11);
   large.begin_step();
-  for (int k = 0; k < 50; ++k) EXPECT_FALSE(large.reached(1e-7, 100.0));
+  for (int k = 0; k < 50; ++k) EXPECT_FALSE(large.reached(1e-7, 100.0, 0.0));
 }
 
 // A wrench may be small where the joints' forces are not.
 TEST(ResidualFloor, MayBeAHundredTolerances) {
   ResidualFloor floor(1, 1e-11);
   floor.begin_step();
-  EXPECT_FALSE(floor.reached(9e-10, 0.01));
-  EXPECT_TRUE(floor.reached(9e-10, 0.01));
+  EXPECT_FALSE(floor.reached(9e-10, 0.01, 0.0));
+  EXPECT_TRUE(floor.reached(9e-10, 0.01, 0.0));
   floor.begin_step();
-  EXPECT_FALSE(floor.reached(1.1e-9, 0.01));
-  EXPECT_FALSE(floor.reached(1.1e-9, 0.01));
+  EXPECT_FALSE(floor.reached(1.1e-9, 0.01, 0.0));
+  EXPECT_FALSE(floor.reached(1.1e-9, 0.01, 0.0));
+}
+
+// A stiff mesh makes more of its motions' rounding than the port's stiffness tells.
+TEST(ResidualFloor, MayBeAHundredRoundingsOfTheMotions) {
+  ResidualFloor floor(1, 1e-11);
+  floor.begin_step();
+  EXPECT_FALSE(floor.reached(9e-8, 0.01, 1e-9));
+  EXPECT_TRUE(floor.reached(9e-8, 0.01, 1e-9));
+  floor.begin_step();
+  EXPECT_FALSE(floor.reached(1.1e-7, 0.01, 1e-9));
+  EXPECT_FALSE(floor.reached(1.1e-7, 0.01, 1e-9));
 }
 
 // An iteration that goes on falling, if slowly, is not at its floor.
@@ -309,7 +320,8 @@ TEST(ResidualFloor, IsNotReachedWhileResidualsFall) {
   ResidualFloor floor(8, 1e-11);
   floor.begin_step();
   double residual_N = 1.0;
-  for (int k = 0; k < 200; ++k, residual_N *= 0.9) EXPECT_FALSE(floor.reached(residual_N, 100.0));
+  for (int k = 0; k < 200; ++k, residual_N *= 0.9)
+    EXPECT_FALSE(floor.reached(residual_N, 100.0, 0.0));
 }
 
 }  // namespace
