@@ -18,9 +18,10 @@ struct AdviseCommand {
   ScenarioOptions scenario;
   AdviseOptions options;
 
-  /// A step or duration of 0 keeps the scenario's.
+  /// A step or duration of 0 keeps the scenario's. Steps are equal, so that they have a limit.
   [[nodiscard]] Model load(const std::string& scheme, double step_s, double duration_s) const {
     ScenarioOptions changed = scenario;
+    changed.sets.emplace_back("coupling.adaptive.tolerance=0");
     if (!scheme.empty()) changed.scheme = scheme;
     if (step_s > 0.0) changed.sets.push_back(fmt::format("run.macro_step_s={}", step_s));
     if (duration_s > 0.0) changed.sets.push_back(fmt::format("run.duration_s={}", duration_s));

@@ -80,7 +80,12 @@ SimTime StepController::rounded(double step_ns) const {
   return std::clamp(SimTime(whole * shortest_.count()), shortest_, longest_);
 }
 
-SimTime StepController::step(SimTime remaining) const { return std::min(next_, remaining); }
+SimTime StepController::step(SimTime remaining) const {
+  // Two equal steps at the end, not a long one and a rest, however short.
+  if (next_ < remaining && remaining < 2 * next_)
+    return rounded(0.5 * static_cast<double>(remaining.count()));
+  return std::min(next_, remaining);
+}
 
 double StepController::ratio_of(SimTime H, const MacroStepEnd& end, const InterfaceState& begin,
                                 double largest_wrench_N) const {
@@ -110,12 +115,13 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const Interface
   const auto H_ns = static_cast<double>(H.count());
   double ratio = 2.0 / kSafety;  // half the step
   double largest_wrench_N = largest_wrench_N_;
-  if (end.outcome != Outcome::Failed && all_finite(end.motions) && all_finite(end.wrenches)) {
+  const bool known =
+      end.outcome != Outcome::Failed && all_finite(end.motions) && all_finite(end.wrenches);
+  if (known) {
     largest_wrench_N = std::max(largest_wrench_N, wrench_norm_N(end.wrenches, ports_));
     ratio = ratio_of(H, end, begin, largest_wrench_N);
-    if (end.outcome == Outcome::NotConverged) ratio = std::max(ratio, 2.0);
+    if (end.outcome == Outcome::NotConverged || swings_up(H, end)) ratio = std::max(ratio, 2.0);
   }
-  if (swings_up(H, end)) ratio = std::max(ratio, 2.0);
   ratio = std::max(ratio, kLeastRatio);
   if (ratio > 1.0 && H > shortest_) {
     const double factor = std::max(kMostShrink, kSafety / ratio);
@@ -123,7 +129,7 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const Interface
     was_rejected_ = true;
     return false;
   }
-  if (explicit_) limit_where_unstable(H, end);
+  if (explicit_ && known) limit_where_unstable(H, end);
   double factor = kSafety * std::pow(ratio, -0.7) * std::pow(last_ratio_, 0.4);
   factor = std::clamp(factor, kMostShrink, was_rejected_ ? 1.0 : kMostGrowth);
   next_ = rounded(H_ns * factor);

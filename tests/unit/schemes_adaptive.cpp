@@ -166,12 +166,29 @@ TEST(StepController, RejectsAndShortensUntilTheShortestStepAndThenAccepts) {
   EXPECT_EQ(H, sim_time_from_seconds(1e-3) / 32);
 }
 
+// Whether or not another step went before: a failed one has no wrenches.
 TEST(StepController, HalvesAStepThatFailed) {
-  StepController controller({.scheme = SchemeKind::ExplicitSerial, .adaptive = kTight},
-                            sim_time_from_seconds(1e-3), kOnePort, MotionSet(1));
-  const MacroStepEnd end{.outcome = Outcome::Failed};
-  EXPECT_FALSE(controller.accepts(sim_time_from_seconds(1e-3), end, {}));
-  EXPECT_NEAR(to_seconds(controller.step(kSecond)), 4e-4, 1e-4);
+  const EnergyStep step;
+  for (const bool first : {true, false}) {
+    StepController controller({.scheme = SchemeKind::ExplicitSerial, .adaptive = {.tolerance = 1}},
+                              sim_time_from_seconds(1e-3), kOnePort, MotionSet(1));
+    if (!first) {
+      EXPECT_TRUE(controller.accepts(sim_time_from_seconds(1e-3), step.end, step.begin));
+    }
+    const MacroStepEnd end{.outcome = Outcome::Failed};
+    EXPECT_FALSE(controller.accepts(sim_time_from_seconds(1e-3), end, step.begin));
+    EXPECT_NEAR(to_seconds(controller.step(kSecond)), 4e-4, 1e-4);
+  }
+}
+
+TEST(StepController, EndsWithTwoEqualStepsInPlaceOfAShortRest) {
+  const SimTime H = sim_time_from_seconds(1e-3);
+  const StepController controller({.adaptive = {.tolerance = 1}}, H, kOnePort, MotionSet(1));
+  EXPECT_EQ(controller.step(kSecond), H);
+  EXPECT_EQ(controller.step(2 * H), H);
+  EXPECT_EQ(controller.step(sim_time_from_seconds(1.5e-3)), sim_time_from_seconds(7.5e-4));
+  EXPECT_EQ(controller.step(H), H);
+  EXPECT_EQ(controller.step(H / 4), H / 4);
 }
 
 // A wave that no step resolves makes wrenches jump by as much as they are, however short the step;
