@@ -129,22 +129,21 @@ TEST(TwoMassesVibration, HasTheFrequencyOfTheAssembledEigenproblem) {
 // its end, is backward Euler's: the frequency is arctan(ω h)/(2π h). What is left is the
 // interpolation of the crossings, (ω h)²/24 of a step each.
 TEST(TwoMassesVibration, OfAQuasiStaticBarIsThatOfASpring) {
-  CoupledPair pair = stretched_pair(1e-3, 0.4, "quasi_static", "linear");
+  const double h_s = 1e-3;
+  CoupledPair pair = stretched_pair(h_s, 0.4, "quasi_static", "linear");
   fem::FlexibleBody bar(pair.fem().model().params);
   MotionSet rest(2);
   for (std::size_t p = 0; p < 2; ++p) rest[p].p_WP = pair.mbs().params().bodies[p].p_WB;
   bar.initialize(rest);
   MotionSet stretched = rest;
   stretched[1].p_WP.x() += 1e-4;
-  const SimTime h = bar.info().micro_step;
-  const auto result = bar.advance({.step = h, .input = {rest, stretched}});
+  const auto result = bar.advance({.step = sim_time_from_seconds(h_s), .input = {rest, stretched}});
   ASSERT_EQ(result.outcome, Outcome::Done) << result.message;
   const double k = -result.output[1].f_P_W.x() / 1e-4;
   // Ends that cannot contract sideways stiffen the bar by a few percent.
   EXPECT_NEAR(k, 5e6 * 0.05 * 0.05 / 0.5, 0.05 * k);
   const double inverse_mass =
       1.0 / pair.mbs().params().bodies[0].mass_kg + 1.0 / pair.mbs().params().bodies[1].mass_kg;
-  const double h_s = to_seconds(h);
   const double spring_Hz = std::atan(std::sqrt(k * inverse_mass) * h_s) / (kTurn * h_s);
   EXPECT_NEAR(simulated_frequency_Hz(pair), spring_Hz, 1e-3 * spring_Hz);
 }
