@@ -141,7 +141,8 @@ TEST_F(AncfCommand, PortsOfATransientStandAtTheirBodies) {
   const auto& history = from_bodies.results["history"]["displacement_m"];
   EXPECT_EQ(history, run(rope(said, ""), "transient").results["history"]["displacement_m"]);
   // Held: it does not follow the body's velocity; between the ends the rope sags.
-  for (int k = 0; k < 3; ++k) EXPECT_NEAR(history["end"].back()[k].get<double>(), 0.0, 1e-12);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(history["end"].back()[k].get<double>(), 0.0, 1e-12);
   EXPECT_LT(history["middle"].back()[2].get<double>(), -1e-4);
   try {
     static_cast<void>(run(rope(unsaid, ""), "transient"));

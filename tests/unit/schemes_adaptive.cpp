@@ -35,7 +35,6 @@ double exact_distance(const Case& c, const RunReport& report) {
   return std::hypot(report.motions[0].p_WP.x() - x, (report.motions[0].v_WP.x() - v) / w);
 }
 
-const AdaptiveParams kTight{.tolerance = 1e-3};
 const std::vector<PortInfo> kOnePort = {{.name = "p", .length_m = 0.5}};
 const SimTime kSecond = sim_time_from_seconds(1.0);
 
