@@ -35,11 +35,15 @@ void ControlInbox::on_control(wire::ByteView message) {
     if (answer.header.sequence == number) return publish(answer);
   }
   const bool known = std::any_of(waiting_.begin(), waiting_.end(),
-                                 [&](const Command& c) { return c.number == number; });
+                                 [&](const Command& c) { return c.number == number; }) ||
+                     std::find(taken_.begin(), taken_.end(), number) != taken_.end();
   if (!known) waiting_.push_back({number, std::move(control->text)});
 }
 
-std::vector<Command> ControlInbox::take() { return std::exchange(waiting_, {}); }
+std::vector<Command> ControlInbox::take() {
+  for (const Command& command : waiting_) taken_.push_back(command.number);
+  return std::exchange(waiting_, {});
+}
 
 void ControlInbox::answer(const Command& command, std::int64_t macro_step,
                           const CommandResult& result) {
@@ -49,6 +53,7 @@ void ControlInbox::answer(const Command& command, std::int64_t macro_step,
   answer.header.macro_step = macro_step;
   publish(answer);
   answered_.push_back(std::move(answer));
+  std::erase(taken_, command.number);
   if (answered_.size() > kAnswersKept) answered_.pop_front();
 }
 

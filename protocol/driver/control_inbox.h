@@ -27,6 +27,8 @@ class ControlInbox final : public CommandSource {
 
   wire::Bus& bus_;
   std::vector<Command> waiting_;
+  /// Handed out and not answered yet: the flexible side may take longer than the tool repeats.
+  std::vector<std::int64_t> taken_;
   std::deque<wire::Controlled> answered_;
   wire::Subscription controls_;
 };

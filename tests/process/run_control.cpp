@@ -44,8 +44,10 @@ void command_and_replay(const std::vector<std::string>& more, const Environment&
   const Ended force = control(out, {"force", "tip", "0,0.5,1.25"});
   EXPECT_EQ(force.code, 0) << force.output;
   EXPECT_NE(force.output.find("macro step "), std::string::npos) << force.output;
-  EXPECT_EQ(control(out, {"fix", "tip"}).code, 0);
-  EXPECT_EQ(control(out, {"release", "tip"}).code, 0);
+  const Ended fix = control(out, {"fix", "tip"});
+  EXPECT_EQ(fix.code, 0) << fix.output;
+  const Ended release = control(out, {"release", "tip"});
+  EXPECT_EQ(release.code, 0) << release.output;
 
   const Ended wrong = control(out, {"release", "tipp"});
   EXPECT_EQ(wrong.code, 2) << wrong.output;
