@@ -54,9 +54,8 @@ struct LimitParams {
 };
 
 /// A prescribed rate of one coordinate θ, with the torque (N·m; slider: force, N) it may use:
-///   Speed:     θ̇(t + h) = ∫ law dt / h over [t, t + h], so θ follows ∫ law dt exactly (Verlet,
-///   whose
-///              velocity belongs to the end of the step, ends with law(t + h)),
+///   Speed:     θ̇(t + h) = (1/h) ∫ law dt over [t, t + h]: θ follows ∫ law dt exactly.
+///              Verlet's θ does, too, and its rate at the end of the step is law(t + h),
 ///   Position:  θ̇(t + h) = [target(t + h) − target(t) − erp (θ(t) − target(t))] / h,
 ///              target(t) = law(t) − law(0),
 /// so the pose at t = 0 belongs to the law's value at t = 0, and drift decays by (1 − erp) a step.
