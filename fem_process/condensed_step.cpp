@@ -13,7 +13,7 @@ using Rates = Eigen::Matrix<double, 3, 12>;
 struct PortNode {
   int node = 0;
   std::size_t port = 0;
-  Eigen::Vector3d torque_arm;  ///< R_WP r, at the beginning of the step (m)
+  Eigen::Vector3d torque_arm;  ///< from where torques are taken about (m)
   Rates rate;                  ///< of its velocity with its port's end motion
 };
 
@@ -34,7 +34,7 @@ Rates rates_of(const Motion& end, const Eigen::Vector3d& arm) {
 class Condensation {
  public:
   Condensation(const Model& model, const PortArms& arms, const MotionSet& end,
-               const MotionSet& torque_pose, const Linearisation& kept)
+               const TorqueArms& torques, const Linearisation& kept)
       : model_(model),
         kept_(kept),
         free_(static_cast<std::size_t>(model.mesh.nodes()), -1),
@@ -48,7 +48,8 @@ class Condensation {
         port_node_[static_cast<std::size_t>(node)] = static_cast<int>(nodes_.size());
         nodes_.push_back({.node = node,
                           .port = p,
-                          .torque_arm = torque_pose[p].q_WP * arms[p][k],
+                          .torque_arm = torques.pose[p].p_WP - torques.about[p] +
+                                        torques.pose[p].q_WP * arms[p][k],
                           .rate = rates_of(end[p], arms[p][k])});
       }
       // A turn of the port moves velocities where it rotates; a displacement
@@ -116,10 +117,8 @@ class Condensation {
   template <class Work>
   void for_blocks(const Work& work) const {
     const BlockPattern& pattern = model_.pattern();
-    const Damping& damping = model_.params.damping;
-    const StepMap& map = kept_.map;
-    const double m = map.c_a + map.theta * damping.alpha_per_s;
-    const double k = map.theta * (damping.beta_s + map.c_x);
+    const double m = kept_.map.c_a;
+    const double k = kept_.map.c_x;
     for (std::size_t at = 0; at < nodes_.size(); ++at) {
       const auto row = static_cast<std::size_t>(nodes_[at].node);
       for (int b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
@@ -151,16 +150,18 @@ class Condensation {
 }  // namespace
 
 bool condenses(const Model& model, const Linearisation& kept) {
-  return !kept.iterated && !model.integrator->keeps_history() && !kept.map.prescribed_position;
+  // What mass damping refers to moves with the ports, everywhere.
+  return !kept.iterated && !model.integrator->keeps_history() && !kept.map.prescribed_position &&
+         model.params.damping.alpha_per_s == 0.0 && model.params.damping.beta_s == 0.0;
 }
 
 SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& end,
-                     const MotionSet& torque_pose, const Linearisation& kept,
+                     const TorqueArms& torques, const Linearisation& kept,
                      InterfaceJacobian& jacobian) {
   jacobian.setZero(6 * static_cast<Eigen::Index>(arms.size()),
                    12 * static_cast<Eigen::Index>(arms.size()));
   if (arms.empty()) return {};
-  Condensation condensation(model, arms, end, torque_pose, kept);
+  Condensation condensation(model, arms, end, torques, kept);
   Eigen::MatrixXd x = condensation.right_hand_sides();
   const Eigen::VectorXd norms = x.colwise().norm();
   Eigen::MatrixXd left;

@@ -14,15 +14,15 @@ namespace tandem::fem {
 /// step with respect to the motions there: the Schur complement of the step
 /// matrix S onto the ports,
 ///   ∂λ/∂m = −T_bᵀ (S_pp − S_pI S_II⁻¹ S_Ip) T_e,
-/// T the rigid velocities of the port nodes per coordinate, with arms at the
-/// beginning of the step (torques) and at its end (motions). Columns x_c =
+/// T the rigid velocities of the port nodes per coordinate, with the arms of
+/// the torques at fixed motions, and those at the end of the step. Columns x_c =
 /// −S_II⁻¹ S_Ip T_c are solved roughly: with what is left of their equations,
 /// r_c, and a symmetric S
 ///   T_wᵀ S_pI S_II⁻¹ S_Ip T_c = −T_wᵀ S_pI x_c + x_wᵀ r_c + r_wᵀ S_II⁻¹ r_c.
 /// The last term, of second order, is left out, and with it the turn of the
 /// arms within the step in x_w. 6P × 12P.
 SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& end,
-                     const MotionSet& torque_pose, const Linearisation& kept,
+                     const TorqueArms& torques, const Linearisation& kept,
                      InterfaceJacobian& jacobian);
 
 }  // namespace tandem::fem

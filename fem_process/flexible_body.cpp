@@ -87,7 +87,7 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   MacroStepWrench answer(*model_.integrator, n);
   Advance done;
   done.last.state = state_;
-  StepTangent tangent(model_, step_->arms(), step_->loose_ports(), n);
+  StepTangent tangent(model_, *step_, n);
   const auto book = [&](const SolveReport& report, SimTime time) {
     done.report.iterations += report.iterations;
     if (report.outcome <= done.report.outcome) return;
@@ -96,24 +96,24 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   };
   for (std::int64_t j = 1; j <= n && done.report.outcome != Outcome::Failed; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
-    const double s_torque = model_.integrator->torque_arms_at_begin()
-                                ? static_cast<double>(j - 1) / static_cast<double>(n)
-                                : s;
+    const double s_force =
+        model_.integrator->constant_forces()
+            ? (static_cast<double>(j) - 0.5) / static_cast<double>(n)
+            : s;
     const MotionSet end = interpolate(request.input, s, request.step, rule);
-    const MotionSet torque_pose = s_torque > 0.0
-                                      ? interpolate(request.input, s_torque, request.step, rule)
-                                      : request.input.begin;
+    TorqueArms torques = arms_at(interpolate(request.input, s_force, request.step, rule));
+    if (model_.integrator->constant_forces()) torques.about = arms_at(request.input.begin).about;
     Linearisation& kept = kept_[j == 1 ? 0 : 1];
     if (j > 1 && step_->shares_factor()) kept.neighbour = &kept_[0];
     const State from = std::move(done.last.state);
-    done.last = step_->advance(from, end, torque_pose, h, kept);
+    done.last = step_->advance(from, end, torques, h, kept);
     done.last.state.generation = ++generations_;
     book(done.last.report, from.time + h);
     answer.add(done.last.wrenches);
     if (!request.linearize || done.report.outcome == Outcome::Failed) continue;
     book(tangent.advance(
-             {end, interpolation_derivative(request.input, s, request.step, rule)},
-             {torque_pose, interpolation_derivative(request.input, s_torque, request.step, rule)},
+             from, {end, interpolation_derivative(request.input, s, request.step, rule)},
+             {torques, interpolation_derivative(request.input, s_force, request.step, rule)},
              done.last, kept.last()),
          from.time + h);
     answer.add(tangent.jacobian());

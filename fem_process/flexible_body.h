@@ -22,8 +22,9 @@ namespace tandem::fem {
 /// Nodes of rigid ports follow P: x_i = p_WP + R_WP r_i, v_i = v_WP + w_WP × R_WP r_i, with
 /// r_i = R_WP(0)ᵀ (X_i − p_WP(0)) from initialize(). The wrench is the full dynamic reaction at the
 /// end of the step: with g_i the force the node needs (inertia, damping, internal, minus external),
-///   f_P_W = −Σ g_i,  t_P_W = −Σ R_WP r_i × g_i,
-/// R_WP at the end of the step with HHT, at its beginning with backward Euler (see there).
+///   f_P_W = −Σ g_i,  t_P_W = −Σ (x_i − p) × g_i.
+/// With backward Euler, g_i is the mean over the step, the nodes stand as in its middle, and p is Po
+/// at the beginning of the macro step (see there); with all others everything is at the end.
 /// Averaging ports and bushings: see LoosePorts.
 /// With backward Euler linear momentum closes to round-off over every step:
 /// h Σ f_P_W = −ΔP + h Σ f_ext (without fixed sets and mass-proportional damping).

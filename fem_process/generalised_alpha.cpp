@@ -10,6 +10,13 @@ GeneralisedAlpha::Weights GeneralisedAlpha::weights_of(double rho_infinity) {
       .alpha_m = alpha_m, .alpha_f = alpha_f, .beta = 0.25 * shift * shift, .gamma = shift - 0.5};
 }
 
+GeneralisedAlpha::Weights GeneralisedAlpha::weights_of_hht(double alpha) {
+  return {.alpha_m = 0.0,
+          .alpha_f = -alpha,
+          .beta = 0.25 * (1.0 - alpha) * (1.0 - alpha),
+          .gamma = 0.5 - alpha};
+}
+
 StepMap GeneralisedAlpha::map(const State& state, double h_s) const {
   const auto& [alpha_m, alpha_f, beta, gamma] = weights_;
   StepMap map;

@@ -12,7 +12,9 @@ namespace tandem::fem {
 ///   M ((1 − α_m) a⁺ + α_m a) + (1 − α_f) r⁺ + α_f r = 0;
 /// written so, the reactions of prescribed nodes are those of the end of the step and no recursion
 /// of weighted reactions is needed [Arnold & Brüls 2007].
-/// Solved for v⁺, linearised at x̃ = x + h v as HHT is. Prescribed nodes: q⁺ = ā + ½ (ā − ā_n) with
+/// Solved for v⁺, linearised at x̃ = x + h v: x⁺ − x̃ is O(h²), so what K_R leaves out costs O(h³) per
+/// step and the order stays two without iterations. EndCarry takes the turning of the body out of the
+/// step, and puts x̃ where it is next to it. Prescribed nodes: q⁺ = ā + ½ (ā − ā_n) with
 /// ā = (v⁺ − v)/h, second order, which forgets jumps of the prescribed velocity after two steps.
 /// Impulse: the sum of h times the wrenches differs from the change of momentum by terms of the
 /// first and the last two steps alone; it does not grow.
@@ -29,14 +31,16 @@ class GeneralisedAlpha final : public Integrator {
   ///   α_m = (2 ρ∞ − 1)/(ρ∞ + 1),  α_f = ρ∞/(ρ∞ + 1),
   ///   γ = ½ − α_m + α_f,  β = (1 − α_m + α_f)²/4.
   [[nodiscard]] static Weights weights_of(double rho_infinity);
+  /// HHT-α [Hilber, Hughes, Taylor 1977], α in [−1/3, 0]: the weighted balance
+  ///   M a⁺ + (1 + α) r⁺ − α r = 0,
+  /// which is α_m = 0, α_f = −α, γ = ½ − α, β = (1 − α)²/4.
+  [[nodiscard]] static Weights weights_of_hht(double alpha);
 
   explicit GeneralisedAlpha(const Weights& weights) : weights_(weights) {}
   [[nodiscard]] StepMap map(const State& state, double h_s) const override;
   void keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a, double h_s,
             State& after) const override;
   [[nodiscard]] bool keeps_history() const override { return true; }
-  [[nodiscard]] bool averages_forces() const override { return false; }
-  [[nodiscard]] bool torque_arms_at_begin() const override { return false; }
 
  private:
   Weights weights_;

@@ -17,33 +17,10 @@ StepMap BackwardEuler::map(const State& state, double h_s) const {
   return map;
 }
 
-StepMap Hht::map(const State& state, double h_s) const {
-  const double gamma = 0.5 - alpha_;
-  const double beta = 0.25 * (1.0 - alpha_) * (1.0 - alpha_);
-  StepMap map;
-  map.c_x = beta * h_s / gamma;
-  map.c_a = 1.0 / (gamma * h_s);
-  map.theta = 1.0 + alpha_;
-  map.x_tilde = state.x + h_s * state.v;
-  map.d_hat = h_s * h_s * (0.5 - beta / gamma) * state.a - map.c_x * state.v;
-  map.a_hat = -map.c_a * state.v - (1.0 - gamma) / gamma * state.a;
-  const double ahead = 0.5 + alpha_;
-  map.c_a_prescribed = (1.0 + ahead) / h_s;
-  map.a_hat_prescribed = -map.c_a_prescribed * state.v - ahead * state.a_mean;
-  map.prescribed_position = true;
-  return map;
-}
-
-void Hht::keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a, double h_s,
-               State& after) const {
-  after.a_mean = (v - begin.v) / h_s;
-  after.a = a;
-}
-
 std::unique_ptr<Integrator> make_integrator(const IntegratorParams& params) {
   switch (params.kind) {
     case IntegratorKind::Hht:
-      return std::make_unique<Hht>(params.hht_alpha);
+      return std::make_unique<GeneralisedAlpha>(GeneralisedAlpha::weights_of_hht(params.hht_alpha));
     case IntegratorKind::GeneralisedAlpha:
       return std::make_unique<GeneralisedAlpha>(GeneralisedAlpha::weights_of(params.rho_infinity));
     case IntegratorKind::Newmark:

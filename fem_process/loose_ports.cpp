@@ -145,27 +145,36 @@ RateHistory kept_rates(const Integrator& integrator, const RateHistory& begin,
 }
 
 LoosePorts::Rates LoosePorts::prescribe(const StepMap& map, const RigidStep& rigid,
-                                        const MotionSet& end, Eigen::VectorXd& d,
-                                        Eigen::VectorXd& a) const {
+                                        const Eigen::VectorXd& d_hat, const EndMotions& end,
+                                        Eigen::VectorXd& d, Eigen::VectorXd& a) const {
   Rates rates{Eigen::VectorXd(size()), rigid.map.a_hat};
   for (std::size_t k = 0; k < ports_.size(); ++k) {
     const auto& [index, average, bushing] = ports_[k];
-    const Vector12 rho = rigid_rates(average, end[index]);
+    const Vector12 rho = rigid_rates(average, end.seen[index]);
     const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
     rates.v.segment<12>(row) = rho;
     rates.a.segment<12>(row) += map.c_a * rho;
     if (bushing) continue;
-    const Eigen::Matrix3d R = rotation_of(end[index]);
-    const Vector12 lacking_a =
-        part(rigid.map.a_hat_prescribed, k) + map.c_a_prescribed * rho - part(rates.a, k);
+    const Eigen::Matrix3d R = rotation_of(end.seen[index]);
+    const Vector12 lacking_a = part(rigid.map.a_hat_prescribed, k) +
+                               map.c_a_prescribed * rigid_rates(average, end.in_world[index]) -
+                               part(rates.a, k);
     average.add_rigid_part(R, lacking_a, 1.0, a);
     rates.a.segment<12>(row) += average.rigid_part(R, lacking_a);
-    const Vector12 lacking_d = rigid_coordinates(average, end[index]) -
-                               average.coordinates(map.x_tilde) - average.coordinates(map.d_hat) -
+    const Vector12 lacking_d = rigid_coordinates(average, end.seen[index]) -
+                               average.coordinates(map.x_tilde) - average.coordinates(d_hat) -
                                map.c_x * (rho + part(rigid.lag, k));
     average.add_rigid_part(R, lacking_d, 1.0, d);
   }
   return rates;
+}
+
+MotionSet LoosePorts::origins(const MotionSet& seen, const TorqueArms& torques) const {
+  MotionSet motions = seen;
+  for (const Port& port : ports_) {
+    motions[port.index].p_WP -= torques.pose[port.index].p_WP - torques.about[port.index];
+  }
+  return motions;
 }
 
 void LoosePorts::follow(const MotionSet& end, Eigen::VectorXd& x) const {

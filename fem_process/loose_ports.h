@@ -16,11 +16,17 @@
 
 namespace tandem::fem {
 
+/// Where the forces on ports have their arms, and about which points their torques are taken.
+struct TorqueArms {
+  MotionSet pose;                      ///< of the ports when the forces act
+  std::vector<Eigen::Vector3d> about;  ///< per port (m)
+};
+
 /// The ports whose nodes do not follow them rigidly: averaging ports and bushings. Their nodes are
 /// free nodes of the body, with the forces N φ on them, Nᵀ the functionals of NodeAverage, twelve
 /// per port: `coordinates` q = Nᵀ x. A step of the body solves
-///   S δv = −residual + θ N δφ,   F(q, q˙, φ; motion) = 0 per port,
-/// by the columns Z = θ S⁻¹ N, which belong to the factorised step matrix, and Y = Nᵀ Z: q˙ moves
+///   S δv = −residual + N δφ,   F(q, q˙, φ; motion) = 0 per port,
+/// by the columns Z = S⁻¹ N, which belong to the factorised step matrix, and Y = Nᵀ Z: q˙ moves
 /// with φ by Y, q by c_x Y, so the relations are left in 12 unknowns per port.
 ///
 /// The rigid part of an averaging port's nodes enters a step as the nodes of a rigid port do: d and
@@ -68,8 +74,15 @@ class LoosePorts {
   /// prescribed nodes: adds to d and a what the step's maps lack of them. δ at the beginning of the
   /// step stands for δ at its end there: the force of the difference is of second order. Returns ρ
   /// and its rates at the end of the step.
-  Rates prescribe(const StepMap& map, const RigidStep& rigid, const MotionSet& end,
-                  Eigen::VectorXd& d, Eigen::VectorXd& a) const;
+  /// `d_hat` is that of the free nodes, the drift of the ports included. Positions and velocities are
+  /// those that the balance sees, the prescribed accelerations follow
+  /// from velocities in W: see Carry.
+  struct EndMotions {
+    const MotionSet& in_world;
+    const MotionSet& seen;
+  };
+  Rates prescribe(const StepMap& map, const RigidStep& rigid, const Eigen::VectorXd& d_hat,
+                  const EndMotions& end, Eigen::VectorXd& d, Eigen::VectorXd& a) const;
   /// Puts the rigid part of an averaging port's nodes where the port is.
   void follow(const MotionSet& end, Eigen::VectorXd& x) const;
   /// Gives the nodes of averaging ports the port's rigid velocity field.
@@ -91,6 +104,10 @@ class LoosePorts {
                                                const Eigen::VectorXd& q_rate) const;
   /// Strain energy of the bushings (J).
   [[nodiscard]] double energy_J(const MotionSet& motions, const Eigen::VectorXd& q) const;
+
+  /// The ports as `seen`, moved so that arms from their origins are arms from the points that the
+  /// torques are taken about.
+  [[nodiscard]] MotionSet origins(const MotionSet& seen, const TorqueArms& torques) const;
 
   /// Subtracts the resultants of φ about the ports' origins, the arms as in q.
   void add_wrenches(const MotionSet& pose, const Eigen::VectorXd& q, const Eigen::VectorXd& phi,

@@ -9,7 +9,7 @@ namespace tandem::fem {
 ///   f_int(x⁺) = f_ext(t⁺) on the free nodes, port nodes and fixed nodes given.
 /// No inertia and no damping: the wrench is the condensed static reaction, its derivative with
 /// respect to the ports' positions the condensed stiffness, with respect to their velocities zero.
-/// As an integrator: x⁺ = x + h v⁺ with θ = 1 and a⁺ = 0, so that v⁺ is the mean velocity of the
+/// As an integrator: x⁺ = x + h v⁺ with a⁺ = 0, so that v⁺ is the mean velocity of the
 /// step. Iterated to equilibrium in every step, co-rotational
 /// bodies with the consistent tangent. Damping keys are passed over.
 class QuasiStatic final : public Integrator {
@@ -20,8 +20,6 @@ class QuasiStatic final : public Integrator {
     // An equilibrium has no history but the positions that it is sought from.
   }
   [[nodiscard]] bool keeps_history() const override { return false; }
-  [[nodiscard]] bool averages_forces() const override { return false; }
-  [[nodiscard]] bool torque_arms_at_begin() const override { return false; }
   [[nodiscard]] bool inertia() const override { return false; }
 };
 

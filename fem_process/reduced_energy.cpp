@@ -36,9 +36,7 @@ End end_of(const ReducedModel& reduced, const ReducedState& state,
   end.Y = motion_of(reduced, state.fields.x);
   end.V = motion_of(reduced, state.fields.v);
   const FieldMotion momentum = end.V * reduced.T();
-  if (state.inertia.size() > 0) {
-    end.inertia = state.inertia;
-  } else if (state.fields.acceleration.size() > 0) {
+  if (state.fields.acceleration.size() > 0) {
     end.inertia = motion_of(reduced, state.fields.acceleration) * reduced.T();
   } else {
     end.inertia = FieldMotion::Zero(3, reduced.fields());

@@ -39,7 +39,6 @@ std::uint64_t ReducedState::hash() const {
   for (const State* part : {&modal, &fields}) {
     hash.add(static_cast<std::int64_t>(part->hash()));
   }
-  hash.add(std::span<const double>(inertia.data(), static_cast<std::size_t>(inertia.size())));
   hash.add(std::span<const double>(z.data(), static_cast<std::size_t>(z.size())));
   for (const Motion& motion : ports) {
     for (double value : motion.p_WP) hash.add(value);
@@ -189,7 +188,6 @@ void ReducedStep::start(const MotionSet& ports, ReducedState& state, WrenchSet& 
     state.modal.a = state.modal.a_mean = state.modal.acceleration = eta_dotdot;
     state.fields.a = state.fields.a_mean = state.fields.acceleration = flat(A);
   }
-  if (integrator.averages_forces()) state.inertia = inertia;
 }
 
 /// The modal velocities: residual at zero, matrix, solution; fills z, V and the balance.
@@ -198,14 +196,11 @@ void ReducedStep::solve(const ReducedState& begin, const FieldMotion& external,
   const Damping damping = damping_of(reduced_.model());
   const auto& at = result.end;
   const StepMap& map = result.modal_map;
-  const double theta = map.theta;
   const Eigen::Index m = reduced_.modes();
   const Eigen::VectorXd eta_hat = map.x_tilde + map.d_hat;
   FieldMotion inertia;
   const auto balance = [&](const FieldMotion& V) -> FieldMotion {
     inertia = acceleration(reduced_, result.field_map, V) * reduced_.T();
-    if (begin.inertia.size() > 0) inertia -= (1.0 - theta) * begin.inertia;
-    inertia /= theta;
     return inertia + damping.alpha_per_s * V * reduced_.T() - external;
   };
   // From the last modal velocities: the less is left to correct, the less round-off.
@@ -216,7 +211,7 @@ void ReducedStep::solve(const ReducedState& begin, const FieldMotion& external,
     const Eigen::VectorXd residual = modal_forces(reduced_, at.R_WF, balance(result.V)) +
                                      reduced_.omega2().cwiseProduct(eta + damping.beta_s * eta_dot);
     const Eigen::Vector3d w_F = at.R_WF.transpose() * at.w_WF;
-    const double scale = result.field_map.c_a / theta + damping.alpha_per_s;
+    const double scale = result.field_map.c_a + damping.alpha_per_s;
     Eigen::MatrixXd S = scale * map.c_x * coriolis(reduced_, w_F);
     S.diagonal().array() += scale + (map.c_x + damping.beta_s) * reduced_.omega2().array();
     result.lu.compute(S);
@@ -231,14 +226,13 @@ void ReducedStep::solve(const ReducedState& begin, const FieldMotion& external,
   const Integrator& integrator = *reduced_.model().integrator;
   keep(integrator, begin.modal, eta, eta_dot, map.a_hat + map.c_a * eta_dot, result.h_s,
        result.state.modal);
-  if (integrator.averages_forces()) result.state.inertia = std::move(inertia);
   keep(integrator, begin.fields, flat(result.Y), flat(result.V),
        flat(acceleration(reduced_, result.field_map, result.V)), result.h_s, result.state.fields);
 }
 
 void ReducedStep::react(Result& result) const {
   const Model& model = reduced_.model();
-  const bool at_begin = model.integrator->torque_arms_at_begin();
+  const bool at_begin = model.integrator->constant_forces();
   const auto& pose = at_begin ? result.begin : result.end;
   Eigen::VectorXd& Q = result.generalised;
   Q = generalised_forces(reduced_, at_begin ? result.Y_begin : result.Y, pose.R_WF, result.balance);

@@ -17,7 +17,6 @@ struct ReducedState {
   MotionSet ports;      ///< the ports' motions
   State modal;          ///< η (m √kg), its rate and what the integrator remembers of them
   State fields;         ///< the same of the fields' motion, in W
-  FieldMotion inertia;  ///< M times the acceleration at this time (N); empty without history
   Eigen::VectorXd z;    ///< [ζ; η]
   WrenchSet wrenches;   ///< at this time
   EnergyBook book;      ///< works and losses since t = 0; its energies stay 0

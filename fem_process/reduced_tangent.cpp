@@ -80,7 +80,7 @@ void ReducedTangent::finish(const ReducedStep::Result& result, FieldMotion inert
       ReducedModel::fields_of(to.p_WF, to.R_WF, 1.0, result.state.z) +
       ReducedModel::fields_of(Eigen::Vector3d::Zero(), result.end.R_WF, 0.0, joined(to.z, eta));
   const Eigen::VectorXd elastic = reduced_.K_boundary() * (to.z + damping.beta_s * to.z_dot);
-  const bool at_begin = integrator.torque_arms_at_begin();
+  const bool at_begin = integrator.constant_forces();
   const auto& pose = at_begin ? result.begin : result.end;
   const auto& d_pose = at_begin ? direction.at_begin : to;
   const FieldMotion& Y = at_begin ? result.Y_begin : result.Y;
@@ -104,7 +104,6 @@ void ReducedTangent::finish(const ReducedStep::Result& result, FieldMotion inert
   keep(integrator, direction.begin.fields, flat(direction.Y), flat(direction.V),
        flat(acceleration_change(reduced_, result.field_map, direction.field_map, direction.V)),
        result.h_s, after.fields);
-  if (integrator.averages_forces()) after.inertia = std::move(inertia);
   direction.begin = std::move(after);
 }
 
@@ -112,7 +111,6 @@ void ReducedTangent::advance(const MotionDerivative& motions, const ReducedStep:
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(result.state.ports.size());
   const Eigen::Index m = reduced_.modes();
   const Eigen::Index K = reduced_.fields();
-  const double theta = result.modal_map.theta;
   const auto& at = result.end;
   directions_.resize(static_cast<std::size_t>(columns));
   jacobian_.setZero(columns / 2, columns);
@@ -131,8 +129,6 @@ void ReducedTangent::advance(const MotionDerivative& motions, const ReducedStep:
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];
     FieldMotion inertia = weighed.middleRows<3>(6 * c);
-    if (direction.begin.inertia.size() > 0) inertia -= (1.0 - theta) * direction.begin.inertia;
-    inertia /= theta;
     FieldMotion momentum = weighed.middleRows<3>(6 * c + 3);
     Eigen::VectorXd eta_dot = Eigen::VectorXd::Zero(m);
     if (m > 0) {
@@ -145,7 +141,7 @@ void ReducedTangent::advance(const MotionDerivative& motions, const ReducedStep:
           ReducedModel::fields_of(Eigen::Vector3d::Zero(), response, 0.0, eta_dot).rightCols(3 * m);
       const FieldMotion more = change * reduced_.T().bottomRows(3 * m);
       direction.V.rightCols(3 * m) += change;
-      inertia += result.field_map.c_a / theta * more;
+      inertia += result.field_map.c_a * more;
       momentum += more;
     }
     finish(result, std::move(inertia), momentum, eta_dot, c, direction);

@@ -23,45 +23,72 @@ bool is_damped(const Model& model) {
   return damping.alpha_per_s > 0.0 || damping.beta_s > 0.0;
 }
 
+/// Q^−½ (x⁺ − c − Q (x − c)): how the nodes have moved but for the turn, in the balance's axes.
+Eigen::VectorXd moved_beyond_turn(const StepForces& step, const State& begin, const State& after) {
+  const Carried& carried = step.kept.carried;
+  Eigen::VectorXd moved(after.x.size());
+  const std::vector<BodyPart>& parts = step.carry.parts();
+  for (std::size_t s = 0; s < parts.size(); ++s) {
+    const Carried::Turn& turn = carried.turns[s];
+    const Eigen::Matrix3d back = turn.half.transpose();
+    for (int node : parts[s].nodes) {
+      const Eigen::Index row = 3 * node;
+      const Eigen::Vector3d carried_x =
+          turn.about + turn.Q * (begin.x.segment<3>(row) - turn.about);
+      moved.segment<3>(row) = back * (after.x.segment<3>(row) - carried_x);
+    }
+  }
+  return moved;
+}
+
+/// x with the rotations A of the parts' turns.
+Eigen::VectorXd turned(const StepForces& step, const Eigen::VectorXd& x) {
+  Eigen::VectorXd y(x.size());
+  const std::vector<BodyPart>& parts = step.carry.parts();
+  for (std::size_t s = 0; s < parts.size(); ++s) {
+    const Eigen::Matrix3d& half = step.kept.carried.turns[s].half;
+    for (int node : parts[s].nodes) y.segment<3>(3 * node) = half * x.segment<3>(3 * node);
+  }
+  return y;
+}
+
 void book_end_forces(const Model& model, const State& begin, const StepForces& step, State& after) {
-  const Damping& damping = model.params.damping;
   const Linearisation& kept = step.kept;
   const double h_s = kept.h_s;
+  const auto times_K = [&](const Eigen::VectorXd& x) {
+    return multiply(model.pattern(), kept.K, x, {}, model.team.get());
+  };
   const Eigen::VectorXd moved = after.x - begin.x;
-  const Eigen::VectorXd D = kept.map.x_tilde + step.d - begin.x;
-  const Eigen::VectorXd change = after.v - begin.v;
-  const Eigen::VectorXd impulse = multiply_scalar(model.pattern(), model.mass, change);
-  const Eigen::VectorXd KD = multiply(model.pattern(), kept.K, D, {}, model.team.get());
-
-  // C v⁺ with v⁺ = D/h
-  Eigen::VectorXd viscous = (damping.beta_s / h_s) * KD;
-  if (damping.alpha_per_s > 0.0) {
-    viscous += damping.alpha_per_s * multiply_scalar(model.pattern(), model.mass, after.v);
-  }
-  // Nodes of averaging ports go to their port's pose, too.
-  const std::vector<int>& held = model.prescribed;
-  const Eigen::VectorXd e = moved - D;
-  const ProductPart part =
-      step.loose.empty() ? ProductPart{.columns = &held, .rows = &held} : ProductPart{};
-  const Eigen::VectorXd Ke = multiply(model.pattern(), kept.K, e, part, model.team.get());
-  const Eigen::VectorXd f_end =
-      kept.f_int +
-      (kept.iterated ? multiply(model.pattern(), kept.K, step.d, {}, model.team.get()) : KD);
-
+  const Eigen::VectorXd mean = 0.5 * h_s * (begin.v + after.v);  // h v̄
+  const Eigen::VectorXd delta = moved_beyond_turn(step, begin, after);
+  const Eigen::VectorXd Kd = times_K(step.d);
+  const Eigen::VectorXd Ke =
+      times_K(delta - (kept.map.x_tilde + step.d - kept.carried.begin.x));
   const double interface_J = -h_s * interface_power_W(step.wrenches, step.motions);
-  const double kinematic_J =
-      e.dot(impulse) / h_s + e.dot(viscous) - 0.5 * e.dot(Ke) - moved.dot(step.react) + interface_J;
   const Eigen::VectorXd load = model.loads(to_seconds(after.time)) + step.commanded;
+  Eigen::VectorXd f_ext = load;
+  for (int i = 0; i < model.mesh.nodes(); ++i) {
+    f_ext.segment<3>(3 * i) +=
+        model.nodal_mass[static_cast<std::size_t>(i)] * model.params.gravity_m_per_s2;
+  }
+  const double elastic_J = 0.5 * delta.dot(step.f_begin + kept.f_int + Kd + Ke);
+  double numerical_J = f_ext.dot(moved - mean) + interface_J - mean.dot(step.react) +
+                       mean.dot(kept.f_mean + Kd) - elastic_J;
+  if (is_damped(model)) {
+    const Eigen::VectorXd viscous = damping_force(model, kept.K, step.damped);
+    const double damping_J = h_s * step.damped.dot(viscous);
+    numerical_J += mean.dot(viscous) - damping_J;
+    after.book.damping_loss_J += damping_J;
+  }
   after.book.interface_work_J += interface_J;
   after.book.external_work_J += load.dot(moved);
-  after.book.damping_loss_J += D.dot(viscous);
-  after.book.numerical_loss_J += 0.5 * change.dot(impulse) + 0.5 * D.dot(KD) + kinematic_J;
+  after.book.numerical_loss_J += numerical_J;
   if (begin.moved.size() > 0) {
-    after.book.numerical_loss_J += begin.elastic_guess_J - 0.5 * begin.moved.dot(step.f_begin);
+    after.book.numerical_loss_J +=
+        begin.elastic_guess_J - 0.5 * turned(step, begin.moved).dot(step.f_begin);
   }
-  after.elastic_guess_J =
-      f_end.dot(moved) - 0.5 * D.dot(KD) + 0.5 * e.dot(Ke) - 0.5 * moved.dot(step.f_begin);
-  after.moved = moved;
+  after.elastic_guess_J = elastic_J - 0.5 * delta.dot(step.f_begin);
+  after.moved = turned(step, delta);
 }
 
 void book_trapezoids(const Model& model, const State& begin, const StepForces& step, State& after) {
@@ -71,19 +98,13 @@ void book_trapezoids(const Model& model, const State& begin, const StepForces& s
   const Eigen::VectorXd loads = model.loads(to_seconds(begin.time)) +
                                 model.loads(to_seconds(after.time)) + 2.0 * step.commanded;
   double numerical_J = interface_J;
-  if (model.integrator->averages_forces()) {
-    numerical_J -= 0.5 * (moved.dot(begin.force) + moved.dot(after.force));
-  } else {
-    numerical_J -= 0.5 * (moved.dot(begin.support) + moved.dot(step.react));
-    after.support = step.react;
-  }
+  numerical_J -= 0.5 * (moved.dot(begin.support) + moved.dot(step.react));
+  after.support = step.react;
   if (model.integrator->inertia()) {
     const Eigen::VectorXd impulse = multiply_scalar(model.pattern(), model.mass, after.v - begin.v);
     numerical_J -= 0.5 * (begin.v + after.v).dot(impulse);
-    if (!model.integrator->averages_forces()) {
-      numerical_J += 0.5 * moved.dot(multiply_scalar(model.pattern(), model.mass,
-                                                     begin.acceleration + after.acceleration));
-    }
+    numerical_J += 0.5 * moved.dot(multiply_scalar(model.pattern(), model.mass,
+                                                   begin.acceleration + after.acceleration));
   }
   if (!step.loose.empty()) {
     // The forces of the balance, of which all works so far are, belong to the positions x̃ + d:
@@ -94,7 +115,7 @@ void book_trapezoids(const Model& model, const State& begin, const StepForces& s
     if (begin.beyond.size() > 0) numerical_J -= 0.5 * moved.dot(begin.beyond);
   }
   if (is_damped(model)) {
-    after.damping_force = damping_force(model, step.kept.K, after.v);
+    after.damping_force = damping_force(model, step.kept.K, step.damped);
     after.book.damping_loss_J +=
         0.5 * (moved.dot(begin.damping_force) + moved.dot(after.damping_force));
   }
@@ -147,11 +168,11 @@ void book_step(const Model& model, const State& begin, const StepForces& step, S
 }
 
 void book_start(const Model& model, const BlockValues& K, const Eigen::VectorXd& react,
-                State& state) {
+                const Eigen::VectorXd& damped, State& state) {
   if (model.integrator->constant_forces()) return;
   state.beyond.resize(0);
-  if (!model.integrator->averages_forces()) state.support = react;
-  if (is_damped(model)) state.damping_force = damping_force(model, K, state.v);
+  state.support = react;
+  if (is_damped(model)) state.damping_force = damping_force(model, K, damped);
 }
 
 }  // namespace tandem::fem

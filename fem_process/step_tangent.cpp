@@ -32,6 +32,47 @@ Motion nudged(Motion motion, Eigen::Index coordinate, double amount) {
   return motion;
 }
 
+using Fields = std::vector<Eigen::VectorXd State::*>;
+
+/// Vectors of a state that a step starts from.
+const Fields& fields() {
+  static const Fields all = {&State::x,      &State::v,
+                             &State::a,      &State::acceleration,
+                             &State::a_mean, &State::relative_velocity,
+                             &State::attached};
+  return all;
+}
+constexpr Eigen::VectorXd RateHistory::*kRates[] = {&RateHistory::v, &RateHistory::a,
+                                                    &RateHistory::acceleration,
+                                                    &RateHistory::a_mean};
+constexpr RateHistory State::*kHistories[] = {&State::rigid, &State::port_rates};
+
+void add(const Eigen::VectorXd& change, double amount, Eigen::VectorXd& value) {
+  if (change.size() > 0) value += amount * change;
+}
+
+State shifted(State state, const State& change, double amount) {
+  for (const auto field : fields()) add(change.*field, amount, state.*field);
+  for (const auto history : kHistories) {
+    for (const auto rate : kRates) add(change.*history.*rate, amount, state.*history.*rate);
+  }
+  return state;
+}
+
+State slope(const State& below, const State& above, double amount) {
+  State change;
+  const double scale = 0.5 / amount;
+  for (const auto field : fields()) change.*field = scale * (above.*field - below.*field);
+  for (const auto history : kHistories) {
+    for (const auto rate : kRates) {
+      change.*history.*rate = scale * (above.*history.*rate - below.*history.*rate);
+    }
+  }
+  return change;
+}
+
+double largest(const Eigen::VectorXd& x) { return x.size() > 0 ? x.cwiseAbs().maxCoeff() : 0.0; }
+
 }  // namespace
 
 /// The interpolation is linear in p, v, w of the end (central differences are
@@ -57,36 +98,141 @@ MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, doubl
   return derivative;
 }
 
+StepTangent::Nudged StepTangent::nudge(const Step& step, const Direction& direction,
+                                       double amount) const {
+  Nudged nudged;
+  nudged.end = displaced(step.end.value, amount * direction.port_end);
+  if (!direction.started()) {
+    nudged.begin = step.begin;
+    nudged.carried = step.kept.carried;
+    return nudged;
+  }
+  nudged.begin = shifted(step.begin, direction.begin, amount);
+  nudged.begin.port_motions =
+      displaced(step.begin.port_motions, amount * direction.port_begin);
+  nudged.carried = carry_.begin(nudged.begin, step.kept.h_s);
+  return nudged;
+}
+
+/// Derivatives of what the step sees of its begin and end before it is solved.
+void StepTangent::see(const Step& step, Direction& direction) const {
+  const Eigen::Index n = step.begin.x.size();
+  if (direction.started()) {
+    // 1e-5 of the body's size, and of the turn of a step.
+    const double h_s = step.kept.h_s;
+    const double length = (step.begin.x.reshaped(3, n / 3).rowwise().maxCoeff() -
+                           step.begin.x.reshaped(3, n / 3).rowwise().minCoeff())
+                              .norm();
+    const double moved = std::max({largest(direction.begin.x), h_s * largest(direction.begin.v),
+                                   h_s * h_s * largest(direction.begin.a)});
+    direction.amount = 1e-5 / std::max(moved / length, 1e-3);
+  }
+  const double amount = direction.amount;
+  const Nudged below = nudge(step, direction, -amount);
+  const Nudged above = nudge(step, direction, amount);
+  const double scale = 0.5 / amount;
+  direction.dd = Eigen::VectorXd::Zero(n);
+  direction.da = Eigen::VectorXd::Zero(n);
+  if (direction.started()) {
+    const StepMap& a = below.carried.map;
+    const StepMap& b = above.carried.map;
+    direction.map.x_tilde = scale * (b.x_tilde - a.x_tilde);
+    direction.map.d_hat = scale * (b.d_hat - a.d_hat);
+    direction.map.a_hat = scale * (b.a_hat - a.a_hat);
+    direction.map.a_hat_prescribed = scale * (b.a_hat_prescribed - a.a_hat_prescribed);
+    direction.dd = direction.map.d_hat;
+    direction.da = direction.map.a_hat;
+    if (!step.kept.iterated) turn_forces(step, below, above, direction);
+  }
+  const Eigen::VectorXd drift = carry_.drift(above.carried, above.end);
+  if (drift.size() > 0) {
+    direction.dd += scale * (drift - carry_.drift(below.carried, below.end));
+  }
+  direction.d_seen = scale * difference(carry_.seen(below.carried, below.end),
+                                        carry_.seen(above.carried, above.end));
+  if (step.result.damped.size() > 0) {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(n);
+    direction.d_reference =
+        scale * (carry_.reference(above.begin, above.carried, above.end, none) -
+                 carry_.reference(below.begin, below.carried, below.end, none));
+  }
+  if (above.carried.velocity.size() > 0 && direction.started()) {
+    direction.dv = -scale * (above.carried.velocity - below.carried.velocity);
+    for (int node : model_.free) direction.dv.segment<3>(3 * node).setZero();
+  } else {
+    direction.dv = Eigen::VectorXd::Zero(n);
+  }
+  if (!loose_.empty()) see_loose(step, below, above, direction);
+}
+
+/// What averaging ports add to d and a before the solve.
+void StepTangent::see_loose(const Step& step, const Nudged& below, const Nudged& above,
+                            Direction& direction) const {
+  direction.d_phi = Eigen::VectorXd::Zero(loose_.size());
+  if (direction.started()) direction.d_phi = direction.begin.attached;
+  if (!model_.integrator->keeps_history()) return;
+  struct Added {
+    Eigen::VectorXd d, a;
+    LoosePorts::Rates rates;
+  };
+  const auto prescribe = [&](const Nudged& nudged) {
+    const Carried& carried = nudged.carried;
+    const Eigen::VectorXd d_hat = carried.map.d_hat + carry_.drift(carried, nudged.end);
+    Added added{Eigen::VectorXd::Zero(d_hat.size()), Eigen::VectorXd::Zero(d_hat.size()), {}};
+    const MotionSet seen = carry_.seen(carried, nudged.end);
+    added.rates = loose_.prescribe(carried.map, carried.rigid, d_hat, {nudged.end, seen}, added.d,
+                                   added.a);
+    return added;
+  };
+  const Added a = prescribe(below);
+  const Added b = prescribe(above);
+  const double scale = 0.5 / direction.amount;
+  direction.dd += scale * (b.d - a.d);
+  direction.da += scale * (b.a - a.a);
+  direction.d_rates = {.v = scale * (b.rates.v - a.rates.v), .a = scale * (b.rates.a - a.rates.a)};
+  static_cast<void>(step);
+}
+
+/// f_int and K of the linearisation turn and strain with x̃, T with the turn of the step.
+void StepTangent::turn_forces(const Step& step, const Nudged& below, const Nudged& above,
+                              Direction& direction) const {
+  const StepMap& map = step.kept.map;
+  const Eigen::VectorXd& dx = direction.map.x_tilde;
+  Eigen::VectorXd y = step.result.d;
+  if (step.result.damped.size() > 0) y += model_.params.damping.beta_s * step.result.damped;
+  direction.turning = model_.formulation->derivative(map.x_tilde, y, dx);
+  if (!step.kept.carried.turning || model_.integrator->keeps_history()) return;
+  Eigen::VectorXd of_force =
+      model_.formulation->derivative(map.x_tilde, Eigen::VectorXd::Zero(y.size()), dx);
+  direction.turning -= of_force;
+  carry_.take_mean(step.kept.carried, of_force);
+  Eigen::VectorXd f_above = step.kept.f_int;
+  Eigen::VectorXd f_below = step.kept.f_int;
+  carry_.take_mean(above.carried, f_above);
+  carry_.take_mean(below.carried, f_below);
+  direction.turning += of_force + 0.5 / direction.amount * (f_above - f_below);
+}
+
 /// Derivatives before the solve: free nodes with dv = 0, prescribed nodes with
 /// their final ones.
 ///   dx_i = δp + δθ × r,   dv_i = δv + δw × r + w × (δθ × r),   r = R_WP r_i
-void StepTangent::prescribe(const Motions& end, const TransientStep::Result& result,
-                            const Linearisation& kept, Eigen::Index column,
-                            Direction& direction) const {
-  const StepMap& map = kept.map;
-  const Eigen::Index n = result.state.x.size();
-  const bool started = direction.begin.x.size() > 0;
-  if (started) {
-    direction.map = model_.integrator->map(direction.begin, kept.h_s);
-    if (!kept.iterated) {
-      const Eigen::VectorXd y = model_.params.damping.beta_s * result.state.v + result.d;
-      direction.turning = model_.formulation->derivative(map.x_tilde, y, direction.map.x_tilde);
-    }
-  }
-  direction.dd = started ? direction.map.d_hat : Eigen::VectorXd::Zero(n);
-  direction.da = started ? direction.map.a_hat : Eigen::VectorXd::Zero(n);
-  direction.dv = Eigen::VectorXd::Zero(n);
-  direction.dx = Eigen::VectorXd::Zero(n);
+void StepTangent::prescribe(const Step& step, Eigen::Index column, Direction& direction) const {
+  const StepMap& map = step.kept.map;
   const auto p = static_cast<std::size_t>(column / 12);
-  const Eigen::Matrix<double, 12, 1> change = end.derivative[p].col(column % 12);
-  const Eigen::Matrix3d R_WP = end.value[p].q_WP.toRotationMatrix();
+  const Eigen::Matrix<double, 12, 1> change = step.end.derivative[p].col(column % 12);
+  direction.port_end =
+      Eigen::VectorXd::Zero(12 * static_cast<Eigen::Index>(step.end.value.size()));
+  direction.port_end.segment<12>(12 * static_cast<Eigen::Index>(p)) = change;
+  see(step, direction);
+  direction.dx = Eigen::VectorXd::Zero(step.begin.x.size());
+  const Eigen::Matrix3d R_WP = step.end.value[p].q_WP.toRotationMatrix();
   for (std::size_t k = 0; k < arms_[p].size(); ++k) {
     const Eigen::Vector3d r = R_WP * arms_[p][k];
     const Eigen::Vector3d turn = change.segment<3>(3).cross(r);
     const Eigen::Index at = 3 * model_.ports[p].nodes[k];
     direction.dx.segment<3>(at) = change.segment<3>(0) + turn;
-    direction.dv.segment<3>(at) =
-        change.segment<3>(6) + change.segment<3>(9).cross(r) + end.value[p].w_WP.cross(turn);
+    direction.dv.segment<3>(at) += change.segment<3>(6) + change.segment<3>(9).cross(r) +
+                                   step.end.value[p].w_WP.cross(turn);
   }
   if (!model_.integrator->inertia()) direction.dv.setZero();
   for (int node : model_.prescribed) {
@@ -94,7 +240,7 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
     Eigen::Vector3d da = map.c_a_prescribed * direction.dv.segment<3>(at);
     Eigen::Vector3d dd = map.prescribed_position ? Eigen::Vector3d(direction.dx.segment<3>(at))
                                                  : map.c_x * direction.dv.segment<3>(at);
-    if (started) {
+    if (direction.started()) {
       da += direction.map.a_hat_prescribed.segment<3>(at);
       if (map.prescribed_position) {
         dd -= direction.map.x_tilde.segment<3>(at);
@@ -105,145 +251,138 @@ void StepTangent::prescribe(const Motions& end, const TransientStep::Result& res
     direction.da.segment<3>(at) = da;
     direction.dd.segment<3>(at) = dd;
   }
-  direction.moves = started || direction.dv.squaredNorm() + direction.dd.squaredNorm() > 0.0;
+  const bool damped = direction.d_reference.size() > 0 && !direction.d_reference.isZero(0.0);
+  const bool own = model_.ports[p].attachment.loose() && !change.isZero(0.0);
+  direction.moves = direction.started() || damped || own ||
+                    direction.dv.squaredNorm() + direction.dd.squaredNorm() > 0.0;
 }
 
-/// A column's change of its port's motion.
-LooseTangent::Change StepTangent::change_of(const Motions& motions, Eigen::Index column) {
-  const auto p = static_cast<std::size_t>(column / 12);
-  return {p, motions.derivative[p].col(column % 12)};
-}
-
-void StepTangent::prescribe_loose(const Motions& end, const Linearisation& kept,
-                                  const LooseTangent& loose, Eigen::Index column,
-                                  Direction& direction) const {
-  const bool started = direction.begin.x.size() > 0;
-  const LooseTangent::Change change = change_of(end, column);
-  direction.d_phi = Eigen::VectorXd::Zero(loose_.size());
+Eigen::VectorXd StepTangent::damped_change(const Direction& direction) const {
+  Eigen::VectorXd change = direction.dv - direction.d_reference;
   if (model_.integrator->keeps_history()) {
-    LoosePorts::RigidStep d_rigid;
-    if (started) d_rigid = loose_.rigid_step(*model_.integrator, direction.begin, kept.h_s);
-    direction.d_rigid =
-        loose.prescribe(kept.map, kept.rigid, started ? &direction.map : nullptr,
-                        started ? &d_rigid : nullptr, change, direction.dd, direction.da);
+    for (int node : model_.prescribed) change.segment<3>(3 * node).setZero();
   }
-  const bool own = model_.ports[change.port].attachment.loose();
-  direction.moves = direction.moves || (own && !change.motion.isZero(0.0));
+  return change;
 }
 
-/// Derivative of r = C v + f_int − f_ext: of its linearisation at x̃ or, where the step is iterated
-/// to equilibrium, of r itself at x⁺.
-Eigen::VectorXd StepTangent::force(const Direction& direction, const TransientStep::Result& result,
-                                   const Linearisation& kept, ProductPart part) const {
+/// Derivative of M a + C w + T f_int − f_ext: of its linearisation at x̃ or, where the step is
+/// iterated to equilibrium, of itself at x⁺.
+Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& direction,
+                                      ProductPart part) const {
   const Damping& damping = model_.params.damping;
+  const Linearisation& kept = step.kept;
+  const bool damped = direction.d_reference.size() > 0;
+  const Eigen::VectorXd rate = damped ? damped_change(direction) : Eigen::VectorXd{};
+  // What damping refers to moves everywhere, not at the port's nodes alone.
+  if (damped) part.columns = nullptr;
   Eigen::VectorXd change;
   if (kept.iterated) {
     Eigen::VectorXd dx = direction.dd;
-    if (direction.begin.x.size() > 0) dx += direction.map.x_tilde;
-    change = model_.formulation->derivative(kept.map.x_tilde + result.d,
-                                            damping.beta_s * result.state.v, dx);
+    if (direction.started()) dx += direction.map.x_tilde;
+    const Eigen::VectorXd at = kept.map.x_tilde + step.result.d;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(dx.size());
+    change = model_.formulation->derivative(at, none, dx);
+    Eigen::VectorXd viscous = none;
     if (damping.beta_s > 0.0) {
-      change += multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv, part);
+      viscous = model_.formulation->derivative(at, damping.beta_s * step.result.damped, dx) -
+                change + multiply(model_.pattern(), kept.K, damping.beta_s * rate, part);
     }
+    carry_.take_mean(kept.carried, change);
+    change += viscous;
   } else {
-    change = multiply(model_.pattern(), kept.K, damping.beta_s * direction.dv + direction.dd, part);
+    Eigen::VectorXd strained = direction.dd;
+    if (damping.beta_s > 0.0) strained += damping.beta_s * rate;
+    change = multiply(model_.pattern(), kept.K, strained, part);
   }
   if (damping.alpha_per_s > 0.0) {
-    change +=
-        damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, direction.dv, part);
+    change += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, rate, part);
   }
   if (direction.turning.size() > 0) change += direction.turning;
+  change += multiply_scalar(model_.pattern(), model_.mass, direction.da, part);
+  if (!loose_.empty()) loose_.add_forces(direction.d_phi, -1.0, change);
   return change;
 }
 
-/// Derivative of M a + θ r + (1 − θ) r_n.
-Eigen::VectorXd StepTangent::residual(const Direction& direction, const Eigen::VectorXd& force,
-                                      const Linearisation& kept, ProductPart part) const {
-  const double theta = kept.map.theta;
-  Eigen::VectorXd change =
-      multiply_scalar(model_.pattern(), model_.mass, direction.da, part) + theta * force;
-  if (direction.begin.force.size() > 0) change += (1.0 - theta) * direction.begin.force;
-  if (loose_.empty()) return change;
-  loose_.add_forces(direction.d_phi, -theta, change);
-  if (direction.begin.attached.size() > 0) {
-    loose_.add_forces(direction.begin.attached, theta - 1.0, change);
-  }
-  return change;
-}
-
-/// Wrench derivatives of one direction, and the derivative of the new state.
-///   df = −Σ dg,   dt = −Σ r × dg − Σ (δθ × r) × g
-void StepTangent::finish(const Motions& end, const Motions& torque_pose,
-                         const TransientStep::Result& result, const Linearisation& kept,
-                         const LooseTangent* loose, Eigen::Index column, Direction& direction) {
-  // Where no later step needs the forces, the reactions alone are needed.
-  ProductPart part;
-  if (!model_.integrator->averages_forces()) part.rows = &model_.prescribed;
-  Eigen::VectorXd d_force = force(direction, result, kept, part);
-  Eigen::VectorXd d_react = residual(direction, d_force, kept, part);
-  if (direction.begin.react.size() > 0) {
-    d_react -= (1.0 - kept.map.theta) * direction.begin.react;
-  }
-  d_react /= kept.map.theta;
-  for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
-  WrenchSet d_wrenches = port_wrenches(model_, arms_, torque_pose.value, d_react);
+/// What the arms of the torques add to a column:  −Σ δ(p − about + R r) × g.
+void StepTangent::add_arms(const Step& step, Eigen::Index column) {
   const auto p = static_cast<std::size_t>(column / 12);
-  const Eigen::Vector3d turn = torque_pose.derivative[p].block<3, 1>(3, column % 12);
-  const Eigen::Matrix3d R_WP = torque_pose.value[p].q_WP.toRotationMatrix();
+  const Eigen::Matrix<double, 12, 1> pose = step.torques.derivative[p].col(column % 12);
+  const bool moves = model_.integrator->constant_forces();  // else `about` goes with the port
+  const Eigen::Matrix3d R_WP = step.torques.value.pose[p].q_WP.toRotationMatrix();
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < arms_[p].size(); ++k) {
-    const Eigen::Vector3d g = result.react.segment<3>(3 * model_.ports[p].nodes[k]);
-    d_wrenches[p].t_P_W -= turn.cross(R_WP * arms_[p][k]).cross(g);
+    Eigen::Vector3d arm = pose.segment<3>(3).cross(R_WP * arms_[p][k]);
+    if (moves) arm += pose.head<3>();
+    torque -= arm.cross(step.result.react.segment<3>(3 * model_.ports[p].nodes[k]));
   }
+  jacobian_.col(column).segment<3>(6 * static_cast<Eigen::Index>(p) + 3) += torque;
+}
 
-  State after;
-  after.x = direction.dx;
-  for (int node : model_.free) {
-    after.x.segment<3>(3 * node) = direction.dd.segment<3>(3 * node);
-    if (direction.begin.x.size() > 0) {
-      after.x.segment<3>(3 * node) += direction.map.x_tilde.segment<3>(3 * node);
+/// Wrench derivatives of one direction.
+void StepTangent::answer(const Step& step, Eigen::Index column, const Direction& direction) {
+  if (direction.moves) {
+    const ProductPart part{.rows = &model_.prescribed};
+    Eigen::VectorXd d_react = residual(step, direction, part);
+    for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
+    WrenchSet d_wrenches = port_wrenches(model_, arms_, step.torques.value, d_react);
+    if (step.loose != nullptr) {
+      const auto p = static_cast<std::size_t>(column / 12);
+      Eigen::VectorXd dx = direction.dd;
+      if (direction.started()) dx += direction.map.x_tilde;
+      Eigen::VectorXd d_pose = direction.d_seen;
+      if (model_.integrator->constant_forces()) {
+        d_pose.segment<3>(12 * static_cast<Eigen::Index>(p)) -=
+            step.torques.derivative[p].col(column % 12).head<3>();
+      }
+      add_wrench_derivative(loose_, loose_.origins(step.result.seen, step.torques.value),
+                            step.result.q, step.result.state.attached, d_pose,
+                            loose_.coordinates(dx), direction.d_phi, d_wrenches);
     }
+    jacobian_.col(column) = stack(d_wrenches);
   }
-  if (loose != nullptr) {
-    loose->follow(change_of(end, column), after.x);
-    Eigen::VectorXd dq = Eigen::VectorXd::Zero(loose_.size());
-    if (!model_.integrator->torque_arms_at_begin()) {
-      dq = loose_.coordinates(after.x);
-    } else if (direction.begin.x.size() > 0) {
-      dq = loose_.coordinates(direction.begin.x);
+  add_arms(step, column);
+}
+
+/// Derivative of the state after the step.
+void StepTangent::conclude(const Step& step, Direction& direction) const {
+  const TransientStep::Result& result = step.result;
+  const auto after = [&](double amount) {
+    const Nudged nudged = nudge(step, direction, amount);
+    Carry::Made made{.x = step.kept.map.x_tilde + result.d,
+                     .v = result.y + amount * direction.dv,
+                     .a = result.a + amount * direction.da,
+                     .rates = result.rates,
+                     .end = nudged.end};
+    for (int node : model_.prescribed) {
+      made.x.segment<3>(3 * node) =
+          result.state.x.segment<3>(3 * node) + amount * direction.dx.segment<3>(3 * node);
     }
-    add_wrench_derivative(loose_, torque_pose.value, result.q, result.state.attached,
-                          {p, torque_pose.derivative[p].col(column % 12)}, dq, direction.d_phi,
-                          d_wrenches);
-    after.attached = direction.d_phi;
-  }
-  jacobian_.col(column) = stack(d_wrenches);
-  if (model_.integrator->keeps_history()) {
-    if (direction.begin.x.size() == 0) {
-      const Eigen::VectorXd zero = Eigen::VectorXd::Zero(after.x.size());
-      direction.begin.v = direction.begin.a = zero;
-      direction.begin.rigid.v = direction.begin.rigid.a = Eigen::VectorXd::Zero(loose_.size());
+    for (int node : model_.free) {
+      const Eigen::Index at = 3 * node;
+      made.x.segment<3>(at) += amount * direction.dd.segment<3>(at);
+      if (direction.started()) {
+        made.x.segment<3>(at) += amount * direction.map.x_tilde.segment<3>(at);
+      }
     }
-    if (loose != nullptr) {
-      after.rigid =
-          kept_rates(*model_.integrator, direction.begin.rigid, direction.d_rigid, kept.h_s);
-    }
-    model_.integrator->keep(direction.begin, direction.dv, direction.da, kept.h_s, after);
-  }
-  if (model_.integrator->averages_forces()) {
-    after.force = std::move(d_force);
-    after.react = std::move(d_react);
-  }
-  after.v = direction.dv;
-  direction.begin = std::move(after);
+    add(direction.d_rates.v, amount, made.rates.v);
+    add(direction.d_rates.a, amount, made.rates.a);
+    State state;
+    carry_.conclude(nudged.begin, nudged.carried, std::move(made), state);
+    loose_.follow(nudged.end, state.x);
+    return state;
+  };
+  const Eigen::VectorXd d_phi = direction.d_phi;
+  direction.begin = slope(after(-direction.amount), after(direction.amount), direction.amount);
+  direction.begin.attached = d_phi;
+  direction.port_begin = direction.port_end;
 }
 
 /// Corrects dv of the moving directions to the derivative of the balance of forces. Once with the
 /// step's own matrix; where the step is iterated, that matrix leaves out what K does, and the
 /// correction is repeated until nothing is left, as the iteration of the step itself.
-SolveReport StepTangent::solve(const Motions& end, const std::vector<Eigen::Index>& moving,
-                               const TransientStep::Result& result, const Linearisation& kept,
-                               const LooseTangent* loose) {
+SolveReport StepTangent::solve(const Step& step, const std::vector<Eigen::Index>& moving) {
   const SolverParams& params = model_.params.solver;
+  const Linearisation& kept = step.kept;
   const double limit =
       params.kind == SolverKind::Pcg ? std::max(1e-10, 2.0 * params.tolerance) : 1e-10;
   const int most = kept.iterated ? 100 : 1;
@@ -256,13 +395,12 @@ SolveReport StepTangent::solve(const Motions& end, const std::vector<Eigen::Inde
     for (Eigen::Index k = 0; k < count; ++k) {
       const Eigen::Index column = moving[static_cast<std::size_t>(k)];
       const Direction& direction = directions_[static_cast<std::size_t>(column)];
-      // In the first micro step nothing but the port moves yet.
+      // In the first micro step of backward Euler nothing but the port moves yet.
       ProductPart part;
-      if (round == 0 && direction.begin.x.size() == 0) {
+      if (round == 0 && !direction.started() && !model_.integrator->keeps_history()) {
         part.columns = &model_.ports[static_cast<std::size_t>(column / 12)].nodes;
       }
-      const Eigen::VectorXd change = force(direction, result, kept, part);
-      delta.col(k) = -gather(residual(direction, change, kept, part), model_.free);
+      delta.col(k) = -gather(residual(step, direction, part), model_.free);
       if (round == 0) norms(k) = delta.col(k).norm();
       done = done && delta.col(k).norm() <= limit * norms(k);
     }
@@ -279,10 +417,10 @@ SolveReport StepTangent::solve(const Motions& end, const std::vector<Eigen::Inde
       scatter_add(column, model_.free, direction.dv);
       scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
       scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
-      if (loose == nullptr) continue;
-      attach(change_of(end, moving[static_cast<std::size_t>(k)]), kept, *loose, direction);
+      if (step.loose == nullptr) continue;
+      attach(step, direction);
       Eigen::VectorXd pulled = Eigen::VectorXd::Zero(direction.dv.size());
-      loose_.add_forces(direction.d_phi, kept.map.theta, pulled);
+      loose_.add_forces(direction.d_phi, 1.0, pulled);
       norms(k) = std::max(norms(k), pulled.norm());
     }
   }
@@ -296,11 +434,12 @@ SolveReport StepTangent::solve(const Motions& end, const std::vector<Eigen::Inde
 }
 
 /// Adds what the ports' forces do to the derivatives so far.
-void StepTangent::attach(const LooseTangent::Change& change, const Linearisation& kept,
-                         const LooseTangent& loose, Direction& direction) const {
+void StepTangent::attach(const Step& step, Direction& direction) const {
+  const Linearisation& kept = step.kept;
   Eigen::VectorXd dx = direction.dd;
-  if (direction.begin.x.size() > 0) dx += direction.map.x_tilde;
-  const Eigen::VectorXd correction = loose.correction(dx, direction.dv, direction.d_phi, change);
+  if (direction.started()) dx += direction.map.x_tilde;
+  const Eigen::VectorXd correction =
+      step.loose->correction(dx, direction.dv, direction.d_phi, direction.d_seen);
   const Eigen::VectorXd column = kept.port_columns * correction;
   direction.d_phi += correction;
   scatter_add(column, model_.free, direction.dv);
@@ -308,44 +447,42 @@ void StepTangent::attach(const LooseTangent::Change& change, const Linearisation
   scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
 }
 
-SolveReport StepTangent::advance(const Motions& end, const Motions& torque_pose,
+SolveReport StepTangent::advance(const State& begin, const Motions& end, const Torques& torques,
                                  const TransientStep::Result& result, const Linearisation& kept) {
-  if (loose_.empty() && micro_steps_ == 1 && condenses(model_, kept)) {
-    return condense(model_, arms_, end.value, torque_pose.value, kept, jacobian_);
-  }
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
+  Step step{begin, end, torques, result, kept, nullptr};
+  if (loose_.empty() && micro_steps_ == 1 && condenses(model_, kept)) {
+    const SolveReport report =
+        condense(model_, arms_, end.value, torques.value, kept, jacobian_);
+    if (report.outcome == Outcome::Failed) return report;
+    for (Eigen::Index c = 0; c < columns; ++c) add_arms(step, c);
+    return report;
+  }
   directions_.resize(static_cast<std::size_t>(columns));
   jacobian_.setZero(columns / 2, columns);
   std::optional<LooseTangent> solution;
   if (!loose_.empty()) {
-    solution.emplace(loose_, LooseTangent::Solution{.end = end.value,
+    solution.emplace(loose_, LooseTangent::Solution{.end = result.seen,
                                                     .x = kept.map.x_tilde + result.d,
-                                                    .v = result.state.v,
+                                                    .v = result.y,
                                                     .phi = result.state.attached,
                                                     .Y = kept.port_response,
                                                     .c_x = kept.map.c_x});
+    step.loose = &*solution;
   }
-  const LooseTangent* const loose = solution ? &*solution : nullptr;
   std::vector<Eigen::Index> moving;
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];
-    prescribe(end, result, kept, c, direction);
-    if (loose != nullptr) prescribe_loose(end, kept, *loose, c, direction);
-    if (direction.moves) {
-      moving.push_back(c);
-    } else if (direction.dx.squaredNorm() > 0.0) {
-      // Backward Euler takes displacements from velocities: positions tell in
-      // the next micro step.
-      direction.begin.x = direction.dx;
-      direction.begin.v = direction.dv;
-    }
+    prescribe(step, c, direction);
+    if (direction.moves) moving.push_back(c);
   }
-  if (moving.empty()) return {};
-  const SolveReport report = solve(end, moving, result, kept, loose);
+  SolveReport report;
+  if (!moving.empty()) report = solve(step, moving);
   if (report.outcome == Outcome::Failed) return report;
-  for (Eigen::Index column : moving) {
-    finish(end, torque_pose, result, kept, loose, column,
-           directions_[static_cast<std::size_t>(column)]);
+  for (Eigen::Index c = 0; c < columns; ++c) {
+    Direction& direction = directions_[static_cast<std::size_t>(c)];
+    answer(step, c, direction);
+    if (micro_steps_ > 1) conclude(step, direction);
   }
   return report;
 }

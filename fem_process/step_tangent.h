@@ -27,63 +27,93 @@ using MotionDerivative = std::vector<Eigen::Matrix<double, 12, 12>>;
 /// of the internal forces, since the linearisation points then depend on the
 /// input. Where the step is iterated to equilibrium the derivative is that of
 /// the equilibrium, and the solves are repeated until the part that the step
-/// matrix leaves out is in: once for an exact tangent.
+/// matrix leaves out is in: once for an exact tangent. The kinematics around the
+/// balance of forces (how the body is carried, where its ports end, what becomes
+/// of the state) cost a few operations per node: their derivatives are central
+/// differences along the direction, of which 1e-9 is left.
 class StepTangent {
  public:
   /// At the start of a macro step the state does not depend on its input. References are kept.
-  StepTangent(const Model& model, const PortArms& arms, const LoosePorts& loose,
-              std::int64_t micro_steps)
-      : model_(model), arms_(arms), loose_(loose), micro_steps_(micro_steps) {}
+  StepTangent(const Model& model, const TransientStep& step, std::int64_t micro_steps)
+      : model_(model),
+        arms_(step.arms()),
+        loose_(step.loose_ports()),
+        carry_(step.carry()),
+        micro_steps_(micro_steps) {}
 
   /// Motions of the ports and their derivatives.
   struct Motions {
     MotionSet value;
     MotionDerivative derivative;
   };
-  /// Carries the derivatives through the micro step that `result` and `kept`
+  /// Arms of the torques, and the derivatives of the ports' pose among them.
+  struct Torques {
+    TorqueArms value;
+    MotionDerivative derivative;
+  };
+  /// Carries the derivatives through the micro step from `begin` that `result` and `kept`
   /// came from.
-  SolveReport advance(const Motions& end, const Motions& torque_pose,
+  SolveReport advance(const State& begin, const Motions& end, const Torques& torques,
                       const TransientStep::Result& result, const Linearisation& kept);
 
   /// 6P × 12P, of the wrenches after the last micro step.
   [[nodiscard]] const InterfaceJacobian& jacobian() const { return jacobian_; }
 
  private:
+  /// The micro step that derivatives go through.
+  struct Step {
+    const State& begin;
+    const Motions& end;
+    const Torques& torques;
+    const TransientStep::Result& result;
+    const Linearisation& kept;
+    const LooseTangent* loose = nullptr;
+  };
   /// What changes with one coordinate of one port's end motion.
   struct Direction {
-    State begin;                ///< derivative of the state before the micro step; empty: zero
-    StepMap map;                ///< derivative of the step's affine maps
-    Eigen::VectorXd dx;         ///< prescribed nodes: of x⁺
-    Eigen::VectorXd dv;         ///< of v⁺
-    Eigen::VectorXd dd;         ///< of x⁺ − x̃
-    Eigen::VectorXd da;         ///< of a⁺
-    LoosePorts::Rates d_rigid;  ///< of ρ and its rates, see LoosePorts
-    Eigen::VectorXd d_phi;      ///< of the forces of averaging ports and bushings
-    Eigen::VectorXd turning;    ///< of f_int(x̃) + K(x̃) y at fixed y = β v⁺ + d
-    bool moves = false;         ///< false: nothing changes
+    State begin;  ///< derivative of the state before the micro step; empty: zero
+    Eigen::VectorXd port_begin;  ///< of the ports' motions there, 12 per port as in difference()
+    Eigen::VectorXd port_end;    ///< of those at the end of the micro step
+    double amount = 1e-3;        ///< of the central differences of kinematics
+    StepMap map;                 ///< derivative of the step's affine maps
+    Eigen::VectorXd dx;          ///< prescribed nodes: of x⁺
+    Eigen::VectorXd dv;          ///< of what is solved for
+    Eigen::VectorXd dd;          ///< of x⁺ − x̃
+    Eigen::VectorXd da;          ///< of a⁺
+    Eigen::VectorXd d_reference; ///< of the velocities that damping refers to; empty: undamped
+    Eigen::VectorXd d_seen;      ///< of the port motions as the balance has them, 12 per port
+    LoosePorts::Rates d_rates;   ///< of ρ and its rates, see LoosePorts
+    Eigen::VectorXd d_phi;       ///< of the forces of averaging ports and bushings
+    Eigen::VectorXd turning;     ///< of T f_int(x̃) + K(x̃) y at fixed y = β w + d
+    bool moves = false;          ///< false: nothing changes in the balance of forces
+    [[nodiscard]] bool started() const { return begin.x.size() > 0; }
   };
-  void prescribe(const Motions& end, const TransientStep::Result& result, const Linearisation& kept,
-                 Eigen::Index column, Direction& direction) const;
-  void prescribe_loose(const Motions& end, const Linearisation& kept, const LooseTangent& loose,
-                       Eigen::Index column, Direction& direction) const;
-  [[nodiscard]] static LooseTangent::Change change_of(const Motions& motions, Eigen::Index column);
-  [[nodiscard]] Eigen::VectorXd force(const Direction& direction,
-                                      const TransientStep::Result& result,
-                                      const Linearisation& kept, ProductPart part) const;
-  [[nodiscard]] Eigen::VectorXd residual(const Direction& direction, const Eigen::VectorXd& force,
-                                         const Linearisation& kept, ProductPart part) const;
-  SolveReport solve(const Motions& end, const std::vector<Eigen::Index>& moving,
-                    const TransientStep::Result& result, const Linearisation& kept,
-                    const LooseTangent* loose);
-  void attach(const LooseTangent::Change& change, const Linearisation& kept,
-              const LooseTangent& loose, Direction& direction) const;
-  void finish(const Motions& end, const Motions& torque_pose, const TransientStep::Result& result,
-              const Linearisation& kept, const LooseTangent* loose, Eigen::Index column,
-              Direction& direction);
+  /// The kinematics of the step with begin and end changed along a direction, `amount` times.
+  struct Nudged {
+    State begin;
+    Carried carried;
+    MotionSet end;
+  };
+  [[nodiscard]] Nudged nudge(const Step& step, const Direction& direction, double amount) const;
+  void see(const Step& step, Direction& direction) const;
+  void see_loose(const Step& step, const Nudged& below, const Nudged& above,
+                 Direction& direction) const;
+  void turn_forces(const Step& step, const Nudged& below, const Nudged& above,
+                   Direction& direction) const;
+  void prescribe(const Step& step, Eigen::Index column, Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd damped_change(const Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd residual(const Step& step, const Direction& direction,
+                                         ProductPart part) const;
+  SolveReport solve(const Step& step, const std::vector<Eigen::Index>& moving);
+  void attach(const Step& step, Direction& direction) const;
+  void answer(const Step& step, Eigen::Index column, const Direction& direction);
+  void add_arms(const Step& step, Eigen::Index column);
+  void conclude(const Step& step, Direction& direction) const;
 
   const Model& model_;
   const PortArms& arms_;
   const LoosePorts& loose_;
+  const Carry& carry_;
   std::vector<Direction> directions_;
   InterfaceJacobian jacobian_;
   std::int64_t micro_steps_;

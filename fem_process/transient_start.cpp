@@ -14,6 +14,7 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   state.v = model_.initial_velocities();
   prescribe(motions, state.x, state.v);
   loose_.set_velocities(motions, state.v);
+  state.port_motions = motions;
   if (!model_.integrator->inertia()) return settle(motions, state, wrenches);
   if (remembers()) {
     state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
@@ -38,16 +39,17 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   state.attached = loose_.bushing_forces(motions, q, loose_.coordinates(state.v));
   Eigen::VectorXd react;
   const SolveReport report = accelerate(state, a, react);
-  wrenches = port_wrenches(model_, arms_, motions, react);
+  wrenches = port_wrenches(model_, arms_, arms_at(motions), react);
   loose_.add_wrenches(motions, q, state.attached, wrenches);
-  state.port_motions = motions;
   state.port_wrenches = wrenches;
   state.bushing_J = loose_.energy_J(motions, q);
   state.bushing_loss_W = bushing_loss_W(loose_, motions, q, loose_.coordinates(state.v));
   if (!model_.integrator->keeps_history()) return report;
   state.rigid = loose_.rigid_start(motions);
-  state.a_mean = state.a = a;
-  if (!model_.integrator->averages_forces()) state.acceleration = std::move(a);
+  state.a_mean = state.a = state.acceleration = std::move(a);
+  // Ports at constant twist: their origins are not accelerated.
+  state.port_rates.a.setZero(3 * static_cast<Eigen::Index>(motions.size()));
+  state.port_rates.acceleration = state.port_rates.a_mean = state.port_rates.a;
   return report;
 }
 
@@ -59,7 +61,10 @@ SolveReport TransientStep::accelerate(State& state, Eigen::VectorXd& a,
   Eigen::VectorXd f_int;
   BlockValues K;
   state.inverted_elements = model_.formulation->evaluate(state.x, f_int, K);
-  const Eigen::VectorXd force = f_int + damping_force(K, state.v) -
+  const Eigen::VectorXd beyond =
+      is_damped() ? Eigen::VectorXd(state.v - carry_->reference_at(state, state.port_motions))
+                  : Eigen::VectorXd::Zero(state.v.size());
+  const Eigen::VectorXd force = f_int + damping_force(K, beyond) -
                                 model_.external_forces(to_seconds(state.time)) -
                                 commanded_forces(state);
   Eigen::MatrixXd rhs(3 * static_cast<Eigen::Index>(model_.free.size()), 1 + loose_.size());
@@ -80,13 +85,9 @@ SolveReport TransientStep::accelerate(State& state, Eigen::VectorXd& a,
   scatter_add(rhs.col(0), model_.free, a);
   react = multiply_scalar(model_.pattern(), model_.mass, a) + force;
   for (int node : model_.free) react.segment<3>(3 * node).setZero();
-  if (model_.integrator->averages_forces()) {
-    state.force = force;
-    state.react = react;
-  }
   Eigen::VectorXd on_nodes = react;
   loose_.add_forces(state.attached, 1.0, on_nodes);
-  book_start(model_, K, on_nodes, state);
+  book_start(model_, K, on_nodes, beyond, state);
   return report;
 }
 
@@ -102,8 +103,7 @@ SolveReport TransientStep::restart(State& state) const {
     remember(state.v, state);
   }
   if (!model_.integrator->keeps_history()) return {};
-  const bool averages = model_.integrator->averages_forces();
-  Eigen::VectorXd a = averages ? state.a : state.acceleration;
+  Eigen::VectorXd a = state.acceleration;
   const Eigen::VectorXd kept = a;
   for (int node : model_.free) a.segment<3>(3 * node).setZero();
   for (const LoosePorts::Port& port : loose_.ports()) {
@@ -113,7 +113,7 @@ SolveReport TransientStep::restart(State& state) const {
   const SolveReport report = accelerate(state, a, react);
   for (int node : model_.free) {
     state.a.segment<3>(3 * node) = a.segment<3>(3 * node);
-    if (!averages) state.acceleration.segment<3>(3 * node) = a.segment<3>(3 * node);
+    state.acceleration.segment<3>(3 * node) = a.segment<3>(3 * node);
   }
   return report;
 }
@@ -128,10 +128,9 @@ SolveReport TransientStep::settle(const MotionSet& motions, State& state,
   before.v.setZero();
   if (remembers()) before.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
   before.support = Eigen::VectorXd::Zero(state.x.size());
-  before.port_motions = motions;
   before.port_wrenches.resize(motions.size());
   Linearisation kept;
-  Result result = advance(before, motions, motions, h, kept);
+  Result result = advance(before, motions, arms_at(motions), h, kept);
   if (result.report.outcome == Outcome::Failed) return result.report;
   result.state.book = {};
   state.x = result.state.x;

@@ -29,6 +29,7 @@ TransientStep::TransientStep(const Model& model, PortArms arms)
     : model_(model),
       arms_(arms_of_rigid_ports(model, arms)),
       loose_(model, arms),
+      carry_(make_carry(model, loose_)),
       node_rotations_(model.mesh, model.pattern(), model.free),
       rest_(factorize_at_rest()) {}
 
@@ -47,11 +48,11 @@ std::unique_ptr<const RestFactor> TransientStep::factorize_at_rest() const {
   return std::make_unique<const RestFactor>(model_.interior.pattern, S);
 }
 
-/// S_II = ∂(M a + θ r)/∂v of a step, with the stiffness K.
+/// S_II = ∂(M a + r)/∂v of a step, with the stiffness K.
 void TransientStep::step_matrix(const StepMap& map, const BlockValues& K, BlockValues& S) const {
   const Damping& damping = model_.params.damping;
-  combine(model_.interior, map.c_a + map.theta * damping.alpha_per_s, model_.mass,
-          map.theta * (damping.beta_s + map.c_x), &K, S, *model_.team);
+  combine(model_.interior, map.c_a + damping.alpha_per_s, model_.mass, damping.beta_s + map.c_x, &K,
+          S, *model_.team);
 }
 
 Eigen::VectorXd TransientStep::inertia(const Eigen::VectorXd& a, ProductPart part) const {
@@ -95,15 +96,22 @@ void TransientStep::prescribe(const MotionSet& motions, Eigen::VectorXd& x,
   for (int node : model_.fixed) v.segment<3>(3 * node).setZero();
 }
 
-WrenchSet port_wrenches(const Model& model, const PortArms& arms, const MotionSet& pose,
+TorqueArms arms_at(const MotionSet& motions) {
+  TorqueArms arms{.pose = motions, .about = {}};
+  for (const Motion& motion : motions) arms.about.push_back(motion.p_WP);
+  return arms;
+}
+
+WrenchSet port_wrenches(const Model& model, const PortArms& arms, const TorqueArms& at,
                         const Eigen::VectorXd& react) {
   WrenchSet wrenches(arms.size());
   for (std::size_t p = 0; p < arms.size(); ++p) {
-    const Eigen::Matrix3d R_WP = pose[p].q_WP.toRotationMatrix();
+    const Eigen::Matrix3d R_WP = at.pose[p].q_WP.toRotationMatrix();
+    const Eigen::Vector3d origin = at.pose[p].p_WP - at.about[p];
     for (std::size_t k = 0; k < arms[p].size(); ++k) {
       const Eigen::Vector3d g = react.segment<3>(3 * model.ports[p].nodes[k]);
       wrenches[p].f_P_W -= g;
-      wrenches[p].t_P_W -= (R_WP * arms[p][k]).cross(g);
+      wrenches[p].t_P_W -= (origin + R_WP * arms[p][k]).cross(g);
     }
   }
   return wrenches;
@@ -123,10 +131,8 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
   if (kept.generation == begin.generation && kept.h_s == h_s && kept.generation != 0) return {};
   kept.generation = begin.generation;
   kept.h_s = h_s;
-  kept.map = model_.integrator->map(begin, h_s);
-  if (model_.integrator->keeps_history()) {
-    kept.rigid = loose_.rigid_step(*model_.integrator, begin, h_s);
-  }
+  kept.carried = carry_->begin(begin, h_s);
+  kept.map = kept.carried.map;
   StepTimes times = linearise_at_tilde(kept);
   if (remembers()) {
     const double start_s = now_s();
@@ -140,6 +146,8 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
 StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
   const double start_s = now_s();
   kept.inverted_elements = model_.formulation->evaluate(kept.map.x_tilde, kept.f_int, kept.K);
+  kept.f_mean = kept.f_int;
+  carry_->take_mean(kept.carried, kept.f_mean);
   const double middle_s = now_s();
   step_matrix(kept.map, kept.K, kept.S);
   if (kept.neighbour != nullptr) {
@@ -173,31 +181,42 @@ void TransientStep::lean_on_neighbour(Linearisation& kept) const {
 
 /// Z and Y of LoosePorts.
 SolveReport TransientStep::find_port_columns(Linearisation& kept) const {
-  kept.port_columns = kept.map.theta * loose_.columns();
+  kept.port_columns = loose_.columns();
   const Eigen::VectorXd norms = kept.port_columns.colwise().norm();
   const SolveReport report = kept.solver->solve(kept.port_columns, norms);
   kept.port_response = loose_.coordinates_of(kept.port_columns);
   return report;
 }
 
-TransientStep::Balance TransientStep::balance(const Linearisation& kept, const Input& input,
-                                              const Eigen::VectorXd& attached,
-                                              const Eigen::VectorXd& v, const Eigen::VectorXd& d,
-                                              const Eigen::VectorXd& a, ProductPart part) const {
+bool TransientStep::is_damped() const {
   const Damping& damping = model_.params.damping;
-  const double theta = kept.map.theta;
-  Balance balance;
-  balance.force =
-      kept.f_int - input.f_ext +
-      multiply(model_.pattern(), kept.K, damping.beta_s * v + d, part, model_.team.get());
-  if (damping.alpha_per_s > 0.0) balance.force += damping.alpha_per_s * inertia(v, part);
-  balance.residual = inertia(a, part) + theta * balance.force;
-  const State& begin = input.begin;
-  if (begin.force.size() > 0) balance.residual += (1.0 - theta) * begin.force;
-  if (loose_.empty()) return balance;
-  loose_.add_forces(attached, -theta, balance.residual);
-  if (theta < 1.0) loose_.add_forces(begin.attached, theta - 1.0, balance.residual);
-  return balance;
+  return damping.alpha_per_s > 0.0 || damping.beta_s > 0.0;
+}
+
+/// Velocities beyond the rigid motion with what holds the body; empty without damping.
+Eigen::VectorXd TransientStep::damped(const Input& input, const Eigen::VectorXd& v) const {
+  if (input.reference.size() == 0) return {};
+  Eigen::VectorXd beyond = v - input.reference;
+  // Where the balance has end velocities, those of prescribed nodes are in W; they go with a holder.
+  if (model_.integrator->keeps_history()) {
+    for (int node : model_.prescribed) beyond.segment<3>(3 * node).setZero();
+  }
+  return beyond;
+}
+
+Eigen::VectorXd TransientStep::balance(const Linearisation& kept, const Input& input,
+                                       const Eigen::VectorXd& attached, const Eigen::VectorXd& v,
+                                       const Eigen::VectorXd& d, const Eigen::VectorXd& a,
+                                       ProductPart part) const {
+  const Damping& damping = model_.params.damping;
+  const Eigen::VectorXd rate = damped(input, v);
+  Eigen::VectorXd strained = d;
+  if (damping.beta_s > 0.0) strained += damping.beta_s * rate;
+  Eigen::VectorXd residual = kept.f_mean - input.f_ext + inertia(a, part) +
+                             multiply(model_.pattern(), kept.K, strained, part, model_.team.get());
+  if (damping.alpha_per_s > 0.0) residual += damping.alpha_per_s * inertia(rate, part);
+  if (!loose_.empty()) loose_.add_forces(attached, -1.0, residual);
+  return residual;
 }
 
 /// Free nodes as if they came to rest: the right-hand side is what their balance then lacks.
@@ -224,7 +243,7 @@ void TransientStep::solve(const Input& input, const Linearisation& kept, Eigen::
   Eigen::VectorXd& d = result.d;
   const bool projected = kept.S_past.size() > 0;
   if (projected) rest(kept.map, v, d, a);
-  Eigen::MatrixXd delta = -gather(balance(kept, input, attached, v, d, a).residual, model_.free);
+  Eigen::MatrixXd delta = -gather(balance(kept, input, attached, v, d, a), model_.free);
   Eigen::VectorXd b = delta;
   if (!projected) b += multiply_interior(kept.S, gather(v, model_.free));
   const double start_s = now_s();
@@ -247,21 +266,9 @@ void TransientStep::solve(const Input& input, const Linearisation& kept, Eigen::
     if (closed.outcome == Outcome::Failed) return;
   }
 
-  // Where no later step needs the forces, the reactions alone are needed.
-  ProductPart part;
-  if (!model_.integrator->averages_forces()) part.rows = &model_.prescribed;
-  Balance balanced = balance(kept, input, attached, v, d, a, part);
-  result.react = std::move(balanced.residual);
-  if (begin.react.size() > 0) result.react -= (1.0 - map.theta) * begin.react;
-  result.react /= map.theta;
+  const ProductPart part{.rows = &model_.prescribed};
+  result.react = balance(kept, input, attached, v, d, a, part);
   for (int node : model_.free) result.react.segment<3>(3 * node).setZero();
-  if (model_.integrator->keeps_history()) {
-    model_.integrator->keep(begin, v, a, kept.h_s, result.state);
-  }
-  if (model_.integrator->averages_forces()) {
-    result.state.force = std::move(balanced.force);
-    result.state.react = result.react;
-  }
 }
 
 SolveReport TransientStep::attach(const Input& input, const Linearisation& kept, Eigen::VectorXd& v,
@@ -270,7 +277,7 @@ SolveReport TransientStep::attach(const Input& input, const Linearisation& kept,
   Eigen::VectorXd q = loose_.coordinates(map.x_tilde + result.d);
   Eigen::VectorXd q_rate = loose_.coordinates(v);
   Eigen::VectorXd attached = result.state.attached;
-  const SolveReport report = loose_.close(input.end, map.c_x, kept.port_response,
+  const SolveReport report = loose_.close(input.seen, map.c_x, kept.port_response,
                                           loose_.coordinates(map.x_tilde), q, q_rate, attached);
   if (report.outcome == Outcome::Failed) return report;
   const Eigen::VectorXd delta = kept.port_columns * (attached - result.state.attached);
@@ -291,7 +298,7 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
   Linearisation& again = *kept.corrected;
   again.h_s = kept.h_s;
   again.iterated = true;
-  again.rigid = kept.rigid;
+  again.carried = kept.carried;
   SolveReport total = result.report;
   double residual = 0.0;
   double limit = 0.0;
@@ -304,8 +311,8 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
     result.report = again.factorisation;
     if (again.factorisation.outcome == Outcome::Failed) return;
     result.d.setZero();
-    const Balance found = balance(again, input, result.state.attached, v, result.d, a);
-    residual = gather(found.residual, model_.free).norm();
+    residual =
+        gather(balance(again, input, result.state.attached, v, result.d, a), model_.free).norm();
     const double scale = std::max({again.f_int.norm(), input.f_ext.norm(),
                                    multiply_scalar(model_.pattern(), model_.mass, a).norm()});
     limit = std::max(params.newton_tolerance * scale, 2.0 * round_off(model_, again.K, x));
@@ -327,18 +334,19 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
                    .iterations = total.iterations};
 }
 
-/// Wrenches and energies of the ports at the end of the step, the nodes at x.
-void TransientStep::pull(const State& begin, const MotionSet& end, const MotionSet& torque_pose,
-                         const Eigen::VectorXd& x, Result& result) const {
-  result.wrenches = port_wrenches(model_, arms_, torque_pose, result.react);
-  const Eigen::VectorXd q = loose_.coordinates(x);
-  result.q = model_.integrator->torque_arms_at_begin() ? loose_.coordinates(begin.x) : q;
-  loose_.add_wrenches(torque_pose, result.q, result.state.attached, result.wrenches);
-  result.state.bushing_J = loose_.energy_J(end, q);
+/// Wrenches and energies of the ports at the end of the step, the nodes at x̃ + d.
+void TransientStep::pull(const TorqueArms& torques, const Eigen::VectorXd& x_seen,
+                         Result& result) const {
+  result.wrenches = port_wrenches(model_, arms_, torques, result.react);
+  if (loose_.empty()) return;
+  result.q = loose_.coordinates(x_seen);
+  loose_.add_wrenches(loose_.origins(result.seen, torques), result.q, result.state.attached,
+                      result.wrenches);
+  result.state.bushing_J = loose_.energy_J(result.seen, result.q);
 }
 
 TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end,
-                                             const MotionSet& torque_pose, SimTime h,
+                                             const TorqueArms& torques, SimTime h,
                                              Linearisation& kept) const {
   Result result;
   result.times = linearise(begin, to_seconds(h), kept);
@@ -349,35 +357,40 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
 
   // Free nodes start from their last velocities; prescribed ones have their final motion.
   Eigen::VectorXd x = begin.x;
-  Eigen::VectorXd v = begin.v;
+  Eigen::VectorXd v = kept.carried.begin.v;
   prescribe(end, x, v);
+  carry_->see_prescribed(kept.carried, v);
   Eigen::VectorXd& d = result.d;
-  d = map.d_hat + map.c_x * v;
-  Eigen::VectorXd a = map.a_hat + map.c_a * v;
+  Eigen::VectorXd d_hat = map.d_hat;
+  const Eigen::VectorXd drift = carry_->drift(kept.carried, end);
+  if (drift.size() > 0) d_hat += drift;
+  d = d_hat + map.c_x * v;
+  Eigen::VectorXd& a = result.a;
+  a = map.a_hat + map.c_a * v;
   for (int node : model_.prescribed) {
     const Eigen::Index at = 3 * node;
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
+  result.seen = carry_->seen(kept.carried, end);
   if (model_.integrator->keeps_history()) {
-    const LoosePorts::Rates rates = loose_.prescribe(map, kept.rigid, end, d, a);
-    result.state.rigid = kept_rates(*model_.integrator, begin.rigid, rates, kept.h_s);
+    result.rates = loose_.prescribe(map, kept.carried.rigid, d_hat, {end, result.seen}, d, a);
   }
   result.state.attached = begin.attached;
   const Eigen::VectorXd commanded = commanded_forces(begin);
   const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time)) + commanded;
-  const Input input{begin, end, f_ext};
+  const Eigen::VectorXd reference =
+      is_damped() ? carry_->reference(begin, kept.carried, end, f_ext) : Eigen::VectorXd{};
+  const Input input{begin, end, result.seen, f_ext, reference};
   solve(input, kept, v, a, result);
   if (result.report.outcome != Outcome::Failed && model_.params.integrator.newton_steps > 0) {
     correct(input, kept, v, a, result);
   }
   if (result.report.outcome == Outcome::Failed) return result;
-  const Eigen::VectorXd& x_tilde = kept.last().map.x_tilde;
-  for (int node : model_.free) {
-    x.segment<3>(3 * node) = x_tilde.segment<3>(3 * node) + d.segment<3>(3 * node);
-  }
-  loose_.follow(end, x);
-  pull(begin, end, torque_pose, x, result);
+  const Eigen::VectorXd x_seen = kept.last().map.x_tilde + d;
+  for (int node : model_.free) x.segment<3>(3 * node) = x_seen.segment<3>(3 * node);
+  pull(torques, x_seen, result);
+  result.damped = damped(input, v);
   if (remembers()) {
     result.state.past = begin.past;
     result.state.past_next = begin.past_next;
@@ -386,17 +399,22 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   result.state.boundary = begin.boundary;
   result.state.time = time;
   result.state.inverted_elements = kept.last().inverted_elements;
-  result.state.x = std::move(x);
-  result.state.v = std::move(v);
+  result.y = std::move(v);
+  carry_->conclude(begin, kept.carried,
+                   {.x = std::move(x), .v = result.y, .a = a, .rates = result.rates, .end = end},
+                   result.state);
+  loose_.follow(end, result.state.x);
   Eigen::VectorXd on_nodes = result.react;
   loose_.add_forces(result.state.attached, 1.0, on_nodes);
   book_step(model_, begin,
             {.kept = kept.last(),
              .loose = loose_,
+             .carry = *carry_,
              .f_begin = kept.f_int,
              .d = d,
              .react = on_nodes,
              .commanded = commanded,
+             .damped = result.damped,
              .motions = end,
              .wrenches = result.wrenches},
             result.state);

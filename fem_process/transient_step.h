@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "fem_process/carry.h"
 #include "fem_process/loose_ports.h"
 #include "fem_process/model.h"
 #include "fem_process/node_rotations.h"
@@ -28,16 +29,17 @@ struct StepTimes {
 struct Linearisation {
   std::uint64_t generation = 0;  ///< of the state; 0 = none
   double h_s = 0.0;
+  Carried carried;        ///< the state as it turns with the body
   StepMap map;
-  LoosePorts::RigidStep rigid;  ///< where the integrator keeps a history
-  Eigen::VectorXd f_int;        ///< at x̃ (N)
+  Eigen::VectorXd f_int;  ///< at x̃ (N)
+  Eigen::VectorXd f_mean; ///< its mean over the step's turn, which enters the balance (N)
   BlockValues K;                ///< at x̃ (N/m)
   int inverted_elements = 0;
   std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
   BlockValues S;                         ///< interior step matrix (kg/s)
   std::vector<NodeRotation> rotations;   ///< of the free nodes, for a warped preconditioner
   SolveReport factorisation;
-  Eigen::MatrixXd port_columns;   ///< Z = θ S⁻¹ N of LoosePorts: velocities of the free nodes
+  Eigen::MatrixXd port_columns;   ///< Z = S⁻¹ N of LoosePorts: velocities of the free nodes
   Eigen::MatrixXd port_response;  ///< Y = Nᵀ Z
   /// The macro step's first, whose factor serves this one too: see NearbySolver. Null: an own one.
   Linearisation* neighbour = nullptr;
@@ -48,10 +50,13 @@ struct Linearisation {
   [[nodiscard]] const Linearisation& last() const { return corrected ? *corrected : *this; }
 };
 
-/// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ R_WP r_i × g_i with R_WP of `pose`, of
-/// the ports that have arms: the rigid ones.
+/// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ (p_WP + R_WP r_i − about) × g_i with the
+/// pose of `at`, of the ports that have arms: the rigid ones.
 [[nodiscard]] WrenchSet port_wrenches(const Model& model, const PortArms& arms,
-                                      const MotionSet& pose, const Eigen::VectorXd& react);
+                                      const TorqueArms& at, const Eigen::VectorXd& react);
+
+/// Arms and points as the ports stand.
+[[nodiscard]] TorqueArms arms_at(const MotionSet& motions);
 
 /// Makes single steps of a model. Const but for the scratch it is handed.
 class TransientStep {
@@ -85,28 +90,31 @@ class TransientStep {
     WrenchSet wrenches;
     Eigen::VectorXd d;      ///< x⁺ − x̃ as the balance of forces has it (m)
     Eigen::VectorXd react;  ///< nodal reactions at the end (N)
-    Eigen::VectorXd q;      ///< of LoosePorts, as the arms of their torques stand
+    Eigen::VectorXd q;      ///< of LoosePorts, as the balance has them
+    MotionSet seen;         ///< port motions as the balance has them, see Carry
+    Eigen::VectorXd y;      ///< velocities solved for (m/s)
+    Eigen::VectorXd a;      ///< accelerations of the balance (m/s²)
+    Eigen::VectorXd damped; ///< velocities that C damps (m/s); empty without damping
+    LoosePorts::Rates rates;
   };
-  /// One step of length h to the motions at its end; the arms of the ports' torques stand as in
-  /// `torque_pose`. `kept` is filled unless it belongs to this state and h already; equal bits
-  /// either way.
-  Result advance(const State& begin, const MotionSet& end, const MotionSet& torque_pose, SimTime h,
+  /// One step of length h to the motions at its end, torques with these arms. `kept` is filled unless
+  /// it belongs to this state and h already; equal bits either way.
+  Result advance(const State& begin, const MotionSet& end, const TorqueArms& torques, SimTime h,
                  Linearisation& kept) const;
 
   /// Of rigid ports; the others have none.
   [[nodiscard]] const PortArms& arms() const { return arms_; }
   [[nodiscard]] const LoosePorts& loose_ports() const { return loose_; }
+  [[nodiscard]] const Carry& carry() const { return *carry_; }
 
  private:
   /// What a step is made of, beside its linearisation.
   struct Input {
     const State& begin;
     const MotionSet& end;
-    const Eigen::VectorXd& f_ext;  ///< at the end (N)
-  };
-  struct Balance {
-    Eigen::VectorXd force;     ///< r = C v + f_int − f_ext (N)
-    Eigen::VectorXd residual;  ///< M a + θ r + (1 − θ) r_n (N)
+    const MotionSet& seen;             ///< `end` as the balance has it
+    const Eigen::VectorXd& f_ext;      ///< at the end (N)
+    const Eigen::VectorXd& reference;  ///< of Carry; empty without damping
   };
   SolveReport accelerate(State& state, Eigen::VectorXd& a, Eigen::VectorXd& react) const;
   [[nodiscard]] Eigen::VectorXd commanded_forces(const State& state) const;
@@ -119,10 +127,12 @@ class TransientStep {
   void correct(const Input& input, Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
                Result& result) const;
   void prescribe(const MotionSet& motions, Eigen::VectorXd& x, Eigen::VectorXd& v) const;
-  [[nodiscard]] Balance balance(const Linearisation& kept, const Input& input,
-                                const Eigen::VectorXd& attached, const Eigen::VectorXd& v,
-                                const Eigen::VectorXd& d, const Eigen::VectorXd& a,
-                                ProductPart part = {}) const;
+  [[nodiscard]] Eigen::VectorXd damped(const Input& input, const Eigen::VectorXd& v) const;
+  /// M a + C (v − v_ref) + f_int − f_ext (N).
+  [[nodiscard]] Eigen::VectorXd balance(const Linearisation& kept, const Input& input,
+                                        const Eigen::VectorXd& attached, const Eigen::VectorXd& v,
+                                        const Eigen::VectorXd& d, const Eigen::VectorXd& a,
+                                        ProductPart part = {}) const;
   /// Corrects v (free nodes: a guess; prescribed nodes: final) to the balance of forces; fills d,
   /// the reactions and the histories of `result`.
   void solve(const Input& input, const Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
@@ -130,9 +140,9 @@ class TransientStep {
   /// Adds what the forces of averaging ports and bushings do.
   SolveReport attach(const Input& input, const Linearisation& kept, Eigen::VectorXd& v,
                      Eigen::VectorXd& a, Result& result) const;
-  void pull(const State& begin, const MotionSet& end, const MotionSet& torque_pose,
-            const Eigen::VectorXd& x, Result& result) const;
+  void pull(const TorqueArms& torques, const Eigen::VectorXd& x_seen, Result& result) const;
   [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
+  [[nodiscard]] bool is_damped() const;
 
   void step_matrix(const StepMap& map, const BlockValues& K, BlockValues& S) const;
   [[nodiscard]] Eigen::VectorXd inertia(const Eigen::VectorXd& a, ProductPart part = {}) const;
@@ -146,6 +156,7 @@ class TransientStep {
   const Model& model_;
   PortArms arms_;
   LoosePorts loose_;
+  std::unique_ptr<const Carry> carry_;
   NodeRotations node_rotations_;
   std::unique_ptr<const RestFactor> rest_;  ///< null: not used
 };

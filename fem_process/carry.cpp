@@ -1,0 +1,145 @@
+#include "fem_process/carry.h"
+
+#include <Eigen/Dense>
+
+#include "fem_process/end_carry.h"
+#include "fem_process/middle_carry.h"
+#include "fem_process/turn.h"
+
+namespace tandem::fem {
+
+Carry::Carry(const Model& model, const LoosePorts& loose)
+    : model_(model),
+      loose_(loose),
+      parts_(body_parts(model)),
+      part_of_port_(model.ports.size(), 0),
+      rotates_(model.params.formulation != FormulationKind::Linear && model.integrator->inertia()) {
+  for (std::size_t s = parts_.size(); s-- > 0;) {
+    for (int holder : parts_[s].holders) {
+      if (holder != BodyPart::kGround) part_of_port_[static_cast<std::size_t>(holder)] = s;
+    }
+  }
+}
+
+double Carry::mass(const BodyPart& part) const {
+  double sum = 0.0;
+  for (int node : part.nodes) sum += model_.nodal_mass[static_cast<std::size_t>(node)];
+  return sum;
+}
+
+Eigen::Vector3d Carry::mean(const BodyPart& part, const Eigen::VectorXd& field) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int node : part.nodes) {
+    sum += model_.nodal_mass[static_cast<std::size_t>(node)] * field.segment<3>(3 * node);
+  }
+  return sum / mass(part);
+}
+
+/// ω of the angular momentum about the mass centre: J ω = Σ m r × (v − V), J = Σ m (|r|² 1 − r rᵀ).
+Carry::OwnMotion Carry::own_motion(const BodyPart& part, const Eigen::VectorXd& x,
+                                   const Eigen::VectorXd& v) const {
+  OwnMotion own{.centre = mean(part, x), .velocity = mean(part, v), .omega = Eigen::Vector3d::Zero()};
+  if (!rotates_) return own;
+  Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d L = Eigen::Vector3d::Zero();
+  for (int node : part.nodes) {
+    const double m = model_.nodal_mass[static_cast<std::size_t>(node)];
+    const Eigen::Vector3d r = x.segment<3>(3 * node) - own.centre;
+    J += m * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+    L += m * r.cross(v.segment<3>(3 * node) - own.velocity);
+  }
+  own.omega = J.ldlt().solve(L);
+  return own;
+}
+
+void Carry::turn(const Eigen::Vector3d& omega, double h_s, Carried::Turn& turn) const {
+  turn.omega = omega;
+  turn.Q = turned_by(h_s * omega);
+  turn.half = turned_by(0.5 * h_s * omega);
+  turn.mean = mean_over(h_s * omega);
+}
+
+Eigen::Vector3d Carry::ground(const BodyPart& part, const Eigen::VectorXd& x) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (int node : model_.fixed) {
+    if (!std::binary_search(part.nodes.begin(), part.nodes.end(), node)) continue;
+    sum += x.segment<3>(3 * node);
+    count += 1.0;
+  }
+  return sum / count;
+}
+
+Eigen::VectorXd Carry::reference(const State& begin, const Carried& carried, const MotionSet& end,
+                                 const Eigen::VectorXd& f_ext) const {
+  const MotionSet ports = seen(carried, end);
+  Eigen::VectorXd v(begin.x.size());
+  for (std::size_t s = 0; s < parts_.size(); ++s) {
+    const BodyPart& part = parts_[s];
+    const Carried::Turn& turn = carried.turns[s];
+    if (part.holders.empty()) {
+      Eigen::Vector3d force = Eigen::Vector3d::Zero();
+      for (int node : part.nodes) force += f_ext.segment<3>(3 * node);
+      const Eigen::Vector3d centre =
+          mean(part, carried.begin.v) + carried.h_s / mass(part) * force;
+      for (int node : part.nodes) v.segment<3>(3 * node) = centre;
+      continue;
+    }
+    for (int node : part.nodes) v.segment<3>(3 * node).setZero();
+    for (std::size_t k = 0; k < part.holders.size(); ++k) {
+      const int holder = part.holders[k];
+      const bool fixed = holder == BodyPart::kGround;
+      const auto p = static_cast<std::size_t>(holder);
+      const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
+      const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
+      for (std::size_t i = 0; i < part.nodes.size(); ++i) {
+        const Eigen::Index row = 3 * part.nodes[i];
+        const Eigen::Vector3d arm = axes(turn) * (begin.x.segment<3>(row) - at);
+        v.segment<3>(row) +=
+            part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
+            (motion.v_WP + motion.w_WP.cross(arm));
+      }
+    }
+  }
+  return v;
+}
+
+Eigen::VectorXd Carry::reference_at(const State& state, const MotionSet& motions) const {
+  Eigen::VectorXd v = Eigen::VectorXd::Zero(state.x.size());
+  for (const BodyPart& part : parts_) {
+    if (part.holders.empty()) {
+      const OwnMotion own = own_motion(part, state.x, state.v);
+      for (int node : part.nodes) {
+        v.segment<3>(3 * node) = own.velocity + own.omega.cross(Eigen::Vector3d(
+                                                    state.x.segment<3>(3 * node) - own.centre));
+      }
+    }
+    for (std::size_t k = 0; k < part.holders.size(); ++k) {
+      if (part.holders[k] == BodyPart::kGround) continue;
+      const Motion& motion = motions[static_cast<std::size_t>(part.holders[k])];
+      for (std::size_t i = 0; i < part.nodes.size(); ++i) {
+        const Eigen::Index row = 3 * part.nodes[i];
+        const Eigen::Vector3d arm = state.x.segment<3>(row) - motion.p_WP;
+        v.segment<3>(row) +=
+            part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
+            (motion.v_WP + motion.w_WP.cross(arm));
+      }
+    }
+  }
+  return v;
+}
+
+void Carry::take_mean(const Carried& carried, Eigen::VectorXd& f) const {
+  if (!carried.turning) return;
+  for (std::size_t s = 0; s < parts_.size(); ++s) {
+    const Eigen::Matrix3d& T = carried.turns[s].mean;
+    for (int node : parts_[s].nodes) f.segment<3>(3 * node) = (T * f.segment<3>(3 * node)).eval();
+  }
+}
+
+std::unique_ptr<const Carry> make_carry(const Model& model, const LoosePorts& loose) {
+  if (model.integrator->keeps_history()) return std::make_unique<EndCarry>(model, loose);
+  return std::make_unique<MiddleCarry>(model, loose);
+}
+
+}  // namespace tandem::fem
