@@ -7,8 +7,8 @@
 
 namespace tandem::fem {
 
-/// Nodes of a mesh that elements connect, and what holds them: ports, and the ground where nodes are
-/// fixed. A body may consist of several parts, each of which turns in its own way.
+/// Nodes of a mesh that elements connect, and what holds them: ports, and the ground where nodes
+/// are fixed. A body may consist of several parts, each of which turns in its own way.
 struct BodyPart {
   static constexpr int kGround = -1;
 

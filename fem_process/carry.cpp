@@ -38,7 +38,8 @@ Eigen::Vector3d Carry::mean(const BodyPart& part, const Eigen::VectorXd& field) 
 /// ω of the angular momentum about the mass centre: J ω = Σ m r × (v − V), J = Σ m (|r|² 1 − r rᵀ).
 Carry::OwnMotion Carry::own_motion(const BodyPart& part, const Eigen::VectorXd& x,
                                    const Eigen::VectorXd& v) const {
-  OwnMotion own{.centre = mean(part, x), .velocity = mean(part, v), .omega = Eigen::Vector3d::Zero()};
+  OwnMotion own{
+      .centre = mean(part, x), .velocity = mean(part, v), .omega = Eigen::Vector3d::Zero()};
   if (!rotates_) return own;
   Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
   Eigen::Vector3d L = Eigen::Vector3d::Zero();
@@ -80,27 +81,29 @@ Eigen::VectorXd Carry::reference(const State& begin, const Carried& carried, con
     if (part.holders.empty()) {
       Eigen::Vector3d force = Eigen::Vector3d::Zero();
       for (int node : part.nodes) force += f_ext.segment<3>(3 * node);
-      const Eigen::Vector3d centre =
-          mean(part, carried.begin.v) + carried.h_s / mass(part) * force;
+      const Eigen::Vector3d centre = mean(part, carried.begin.v) + carried.h_s / mass(part) * force;
       for (int node : part.nodes) v.segment<3>(3 * node) = centre;
       continue;
     }
-    for (int node : part.nodes) v.segment<3>(3 * node).setZero();
-    for (std::size_t k = 0; k < part.holders.size(); ++k) {
-      const int holder = part.holders[k];
+    const double share = 1.0 / static_cast<double>(part.holders.size());
+    Motion rigid;  // mean of the holders
+    for (int holder : part.holders) {
       const bool fixed = holder == BodyPart::kGround;
       const auto p = static_cast<std::size_t>(holder);
       const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
       const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
-      for (std::size_t i = 0; i < part.nodes.size(); ++i) {
-        const Eigen::Index row = 3 * part.nodes[i];
-        const Eigen::Vector3d arm = axes(turn) * (begin.x.segment<3>(row) - at);
-        v.segment<3>(row) +=
-            part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
-            (motion.v_WP + motion.w_WP.cross(arm));
-      }
+      rigid.p_WP +=
+          share * foreseen(carried, turn, at,
+                           fixed ? Eigen::Vector3d::Zero().eval() : carried.ports[p].v_WP);
+      rigid.v_WP += share * motion.v_WP;
+      rigid.w_WP += share * motion.w_WP;
+    }
+    for (int node : part.nodes) {
+      const Eigen::Vector3d arm = carried.map.x_tilde.segment<3>(3 * node) - rigid.p_WP;
+      v.segment<3>(3 * node) = rigid.v_WP + rigid.w_WP.cross(arm);
     }
   }
+  if (carried.lag.size() > 0) v += carried.lag;
   return v;
 }
 
@@ -110,31 +113,30 @@ Eigen::VectorXd Carry::reference_at(const State& state, const MotionSet& motions
     if (part.holders.empty()) {
       const OwnMotion own = own_motion(part, state.x, state.v);
       for (int node : part.nodes) {
-        v.segment<3>(3 * node) = own.velocity + own.omega.cross(Eigen::Vector3d(
-                                                    state.x.segment<3>(3 * node) - own.centre));
+        v.segment<3>(3 * node) =
+            own.velocity +
+            own.omega.cross(Eigen::Vector3d(state.x.segment<3>(3 * node) - own.centre));
       }
     }
-    for (std::size_t k = 0; k < part.holders.size(); ++k) {
-      if (part.holders[k] == BodyPart::kGround) continue;
-      const Motion& motion = motions[static_cast<std::size_t>(part.holders[k])];
-      for (std::size_t i = 0; i < part.nodes.size(); ++i) {
-        const Eigen::Index row = 3 * part.nodes[i];
-        const Eigen::Vector3d arm = state.x.segment<3>(row) - motion.p_WP;
-        v.segment<3>(row) +=
-            part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
-            (motion.v_WP + motion.w_WP.cross(arm));
+    if (part.holders.empty()) continue;
+    const double share = 1.0 / static_cast<double>(part.holders.size());
+    Motion rigid;
+    for (int holder : part.holders) {
+      if (holder == BodyPart::kGround) {
+        rigid.p_WP += share * ground(part, state.x);
+        continue;
       }
+      const Motion& motion = motions[static_cast<std::size_t>(holder)];
+      rigid.p_WP += share * motion.p_WP;
+      rigid.v_WP += share * motion.v_WP;
+      rigid.w_WP += share * motion.w_WP;
+    }
+    for (int node : part.nodes) {
+      const Eigen::Vector3d arm = state.x.segment<3>(3 * node) - rigid.p_WP;
+      v.segment<3>(3 * node) = rigid.v_WP + rigid.w_WP.cross(arm);
     }
   }
   return v;
-}
-
-void Carry::take_mean(const Carried& carried, Eigen::VectorXd& f) const {
-  if (!carried.turning) return;
-  for (std::size_t s = 0; s < parts_.size(); ++s) {
-    const Eigen::Matrix3d& T = carried.turns[s].mean;
-    for (int node : parts_[s].nodes) f.segment<3>(3 * node) = (T * f.segment<3>(3 * node)).eval();
-  }
 }
 
 std::unique_ptr<const Carry> make_carry(const Model& model, const LoosePorts& loose) {

@@ -17,22 +17,29 @@ namespace tandem::fem {
 struct Carried {
   /// How one part of the body turns over the step, at a constant rate.
   struct Turn {
-    Eigen::Vector3d omega = Eigen::Vector3d::Zero();  ///< rad/s
-    Eigen::Vector3d about = Eigen::Vector3d::Zero();  ///< a free part's centre of mass (m)
-    Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();  ///< exp(h [ω]×)
+    Eigen::Vector3d omega = Eigen::Vector3d::Zero();     ///< rad/s
+    Eigen::Vector3d about = Eigen::Vector3d::Zero();     ///< a free part's centre of mass (m)
+    Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();     ///< exp(h [ω]×)
     Eigen::Matrix3d half = Eigen::Matrix3d::Identity();  ///< Q^½
     Eigen::Matrix3d mean = Eigen::Matrix3d::Identity();  ///< T of mean_over(h ω)
   };
   double h_s = 0.0;
-  std::vector<Turn> turns;  ///< per part
-  bool turning = false;     ///< whether any part turns
-  State begin;              ///< the state as the plain step takes it
-  StepMap map;              ///< of `begin`
+  std::vector<Turn> turns;      ///< per part
+  bool turning = false;         ///< whether any part turns
+  State begin;                  ///< the state as the plain step takes it
+  StepMap map;                  ///< of `begin`
   LoosePorts::RigidStep rigid;  ///< of `begin`, where the integrator keeps a history
   MotionSet ports;              ///< at the beginning of the step
   State holder;                 ///< origins of the ports as if they were nodes, and
   StepMap holder_map;           ///< where the integrator takes them
-  Eigen::VectorXd velocity;     ///< backward Euler: of the carried nodes at the end (m/s)
+  /// Newmark's family: (1 − Qᵀ) w, w the relative velocities at the beginning (m/s). The relative
+  /// velocities solved for are turned by Q from where damping has them at the end: to O(h²) by
+  /// this.
+  Eigen::VectorXd lag;
+  /// Velocities in W at the end less those that are solved for, of free nodes (m/s): what mass
+  /// damping needs. Exact with MiddleCarry, to O(h²) with EndCarry.
+  Eigen::VectorXd drag;
+  Eigen::VectorXd velocity;  ///< backward Euler: of the carried nodes at the end (m/s)
 };
 
 /// How a step knows nothing of the turning of the whole body. Every part of the body is carried
@@ -58,12 +65,15 @@ class Carry {
   /// Port motions at the end of the step as the picture has them.
   [[nodiscard]] virtual MotionSet seen(const Carried& carried, const MotionSet& end) const = 0;
 
-  /// How far the ports end from where the plain step takes their origins, spread over the body: what
-  /// the plain step's displacements of the free nodes lack in the balance of forces (m). Empty: none.
-  [[nodiscard]] virtual Eigen::VectorXd drift(const Carried& carried, const MotionSet& end) const = 0;
+  /// How far the ports end from where the plain step takes their origins, spread over the body:
+  /// what the plain step's displacements of the free nodes lack in the balance of forces (m).
+  /// Empty: none.
+  [[nodiscard]] virtual Eigen::VectorXd drift(const Carried& carried,
+                                              const MotionSet& end) const = 0;
 
-  /// Rigid velocities of the body with what holds it, in the picture (m/s): Rayleigh damping acts on
-  /// the velocities beyond these. A free part goes as f_ext (N) accelerates its centre of mass.
+  /// Rigid velocities of the body with the mean motion of what holds it, in the picture (m/s):
+  /// stiffness damping acts on the velocities beyond these. A free part goes as f_ext (N)
+  /// accelerates its centre of mass.
   [[nodiscard]] Eigen::VectorXd reference(const State& begin, const Carried& carried,
                                           const MotionSet& end, const Eigen::VectorXd& f_ext) const;
   /// The same in W at a state that no step has led to: of rigid velocities at the motions given.
@@ -71,6 +81,12 @@ class Carry {
 
   /// The velocities of nodes with prescribed motion as the picture has them.
   virtual void see_prescribed(const Carried& carried, Eigen::VectorXd& v) const = 0;
+
+  /// The same less their velocities in W, which they have in the balance; zero at free nodes (m/s).
+  [[nodiscard]] virtual Eigen::VectorXd prescribed_shift(const Carried& carried,
+                                                         const MotionSet& end,
+                                                         const Eigen::VectorXd& x,
+                                                         const Eigen::VectorXd& v) const = 0;
 
   /// What the plain step has made of `carried.begin`.
   struct Made {
@@ -84,8 +100,9 @@ class Carry {
   virtual void conclude(const State& begin, const Carried& carried, Made made,
                         State& after) const = 0;
 
-  /// f ← T f, part by part: the mean over the step of forces that turn with the body (N).
-  void take_mean(const Carried& carried, Eigen::VectorXd& f) const;
+  /// Forces that turn with the body become what the balance has of them (N): with MiddleCarry their
+  /// mean over the step, T f part by part; with EndCarry they stay.
+  virtual void take_mean(const Carried& carried, Eigen::VectorXd& f) const = 0;
 
   [[nodiscard]] const std::vector<BodyPart>& parts() const { return parts_; }
 
@@ -104,11 +121,13 @@ class Carry {
   void turn(const Eigen::Vector3d& omega, double h_s, Carried::Turn& turn) const;
   /// Places where the fixed nodes of a part stand (m).
   [[nodiscard]] Eigen::Vector3d ground(const BodyPart& part, const Eigen::VectorXd& x) const;
-  /// Which way the picture turns what stands as it does at the beginning of the step.
-  [[nodiscard]] virtual const Eigen::Matrix3d& axes(const Carried::Turn& turn) const = 0;
+  /// Where x̃ has a point that is at `at` and moves at v when the step begins (m).
+  [[nodiscard]] virtual Eigen::Vector3d foreseen(const Carried& carried, const Carried::Turn& turn,
+                                                 const Eigen::Vector3d& at,
+                                                 const Eigen::Vector3d& v) const = 0;
   /// The ground, at rest at `at`, as the picture has it at the end of the step.
-  [[nodiscard]] virtual Motion seen_ground(const Carried::Turn& turn, const Eigen::Vector3d& at)
-      const = 0;
+  [[nodiscard]] virtual Motion seen_ground(const Carried::Turn& turn,
+                                           const Eigen::Vector3d& at) const = 0;
 
   const Model& model_;
   const LoosePorts& loose_;

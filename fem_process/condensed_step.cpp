@@ -52,6 +52,7 @@ class Condensation {
                                         torques.pose[p].q_WP * arms[p][k],
                           .rate = rates_of(end[p], arms[p][k])});
       }
+      offset_.push_back(torques.pose[p].p_WP - torques.about[p]);
       // A turn of the port moves velocities where it rotates; a displacement
       // moves none.
       for (Eigen::Index c = end[p].w_WP.isZero(0.0) ? 6 : 3; c < 12; ++c) {
@@ -106,7 +107,13 @@ class Condensation {
       for (Eigen::Index w = 0; w < columns(); ++w) {
         const Eigen::Index rate = moving_[static_cast<std::size_t>(w)];
         if (rate % 12 < 6) continue;  // forces go with v_WP, torques with w_WP
-        jacobian(6 * (rate / 12) + rate % 12 - 6, column) += products(w, c);
+        const Eigen::Index port = rate / 12;
+        jacobian(6 * port + rate % 12 - 6, column) += products(w, c);
+        if (rate % 12 >= 9) continue;
+        // Torques are taken about `about`, beside the origin that the rates refer to.
+        jacobian.col(column).segment<3>(6 * port + 3) +=
+            offset_[static_cast<std::size_t>(port)].cross(products(w, c) *
+                                                          Eigen::Vector3d::Unit(rate % 3));
       }
     }
   }
@@ -143,6 +150,8 @@ class Condensation {
   std::vector<int> free_;       ///< index of every node among the free ones; below zero: none
   std::vector<int> port_node_;  ///< the same in nodes_
   std::vector<PortNode> nodes_;
+  std::vector<Eigen::Vector3d>
+      offset_;                        ///< of every port's origin from where torques are taken (m)
   std::vector<Eigen::Index> moving_;  ///< columns of the Jacobian that do not vanish
   Eigen::MatrixXd reactions_;
 };
@@ -151,8 +160,9 @@ class Condensation {
 
 bool condenses(const Model& model, const Linearisation& kept) {
   // What mass damping refers to moves with the ports, everywhere.
-  return !kept.iterated && !model.integrator->keeps_history() && !kept.map.prescribed_position &&
-         model.params.damping.alpha_per_s == 0.0 && model.params.damping.beta_s == 0.0;
+  return kept.kind == Linearisation::Kind::Predicted && !model.integrator->keeps_history() &&
+         !kept.map.prescribed_position && model.params.damping.alpha_per_s == 0.0 &&
+         model.params.damping.beta_s == 0.0;
 }
 
 SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& end,

@@ -1,5 +1,6 @@
 #include "fem_process/end_carry.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "fem_process/turn.h"
@@ -7,9 +8,7 @@
 namespace tandem::fem {
 namespace {
 
-Eigen::Vector3d at(const Eigen::VectorXd& field, Eigen::Index row) {
-  return field.segment<3>(row);
-}
+Eigen::Vector3d at(const Eigen::VectorXd& field, Eigen::Index row) { return field.segment<3>(row); }
 
 /// ω × (ω × r).
 Eigen::Vector3d centripetal(const Eigen::Vector3d& omega, const Eigen::Vector3d& r) {
@@ -51,6 +50,15 @@ Vector12 arms_of(const LoosePorts::Port& port, const Motion& motion) {
 }
 
 }  // namespace
+
+/// Averaging ports and bushings turn beside their nodes, which the plain step's relations see in W
+/// alone: parts that they hold are carried without rotation.
+bool EndCarry::loosely_held(const BodyPart& part) const {
+  return std::any_of(part.holders.begin(), part.holders.end(), [this](int holder) {
+    return holder != BodyPart::kGround &&
+           model_.ports[static_cast<std::size_t>(holder)].attachment.loose();
+  });
+}
 
 Eigen::Vector3d EndCarry::holders_rate(const BodyPart& part, const MotionSet& ports) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -109,11 +117,14 @@ void EndCarry::see(const BodyPart& part, const State& state, const Carried::Turn
     carried.begin.a.segment<3>(row) = o.a + Q * (at(state.a, row) - o.a - inward);
     carried.begin.acceleration.segment<3>(row) =
         o.q + Q * (at(state.acceleration, row) - o.q - inward);
-    centripetal_a.segment<3>(row) = Q * inward;
+    carried.lag.segment<3>(row) = (v - o.v) - Q.transpose() * (v - o.v);
     const Eigen::Vector3d relative = state.relative_velocity.size() > 0
                                          ? Eigen::Vector3d(Q * at(state.relative_velocity, row))
                                          : Eigen::Vector3d(v - o.v);
     x_tilde.segment<3>(row) = carried.begin.x.segment<3>(row) + carried.h_s * (o.v + relative);
+    const Eigen::Vector3d arm = Q * r + carried.h_s * relative;
+    centripetal_a.segment<3>(row) = centripetal(turn.omega, arm);
+    carried.drag.segment<3>(row) = turn.omega.cross(arm) - at(carried.lag, row);
   }
 }
 
@@ -143,7 +154,8 @@ void EndCarry::see_rigid(const State& state, Carried& carried) const {
             q + turn.Q * (at(state.rigid.acceleration, row) - q - inward);
       }
       lacking_a.segment<3>(row) = lacking(motion.w_WP, r, carried.h_s);
-      centripetal_a.segment<3>(row) = turn.Q * inward;
+      centripetal_a.segment<3>(row) =
+          centripetal(turn.omega, turned_by(carried.h_s * motion.w_WP) * r);
     }
   }
   carried.rigid = loose_.rigid_step(*model_.integrator, begin, carried.h_s);
@@ -175,12 +187,14 @@ Carried EndCarry::begin(const State& state, double h_s) const {
   for (Eigen::VectorXd* field : {&begin.x, &begin.v, &begin.a, &begin.acceleration}) {
     field->resize(state.x.size());
   }
+  carried.lag.resize(state.x.size());
+  carried.drag.resize(state.x.size());
   Eigen::VectorXd x_tilde(state.x.size());
   Eigen::VectorXd centripetal_a(state.x.size());
   for (std::size_t s = 0; s < parts_.size(); ++s) {
     const BodyPart& part = parts_[s];
     Eigen::Vector3d omega = Eigen::Vector3d::Zero();
-    if (rotates_) {
+    if (rotates_ && !loosely_held(part)) {
       omega = part.holders.empty() ? own_motion(part, state.x, state.v).omega
                                    : holders_rate(part, state.port_motions);
     }
@@ -230,8 +244,8 @@ Eigen::VectorXd EndCarry::drift(const Carried& carried, const MotionSet& end) co
       if (part.holders[k] == BodyPart::kGround) continue;
       const Motion& motion = end[static_cast<std::size_t>(part.holders[k])];
       const Eigen::Index row = 3 * part.holders[k];
-      const Eigen::Vector3d e = motion.p_WP - at(map.x_tilde, row) - at(map.d_hat, row) -
-                                map.c_x * motion.v_WP;
+      const Eigen::Vector3d e =
+          motion.p_WP - at(map.x_tilde, row) - at(map.d_hat, row) - map.c_x * motion.v_WP;
       for (std::size_t i = 0; i < part.nodes.size(); ++i) {
         drift.segment<3>(3 * part.nodes[i]) +=
             part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) * e;
@@ -241,10 +255,27 @@ Eigen::VectorXd EndCarry::drift(const Carried& carried, const MotionSet& end) co
   return drift;
 }
 
+/// y = v_k + Q (v − v_k − ω × (x − p_k)) for a node of port k, from v; the ground stands at a fixed
+/// node itself, where y = 0.
+Eigen::VectorXd EndCarry::prescribed_shift(const Carried& carried, const MotionSet& end,
+                                           const Eigen::VectorXd& x,
+                                           const Eigen::VectorXd& v) const {
+  Eigen::VectorXd shift = Eigen::VectorXd::Zero(x.size());
+  for (std::size_t p = 0; p < model_.ports.size(); ++p) {
+    if (model_.ports[p].attachment.loose()) continue;
+    const Carried::Turn& turn = carried.turns[part_of_port_[p]];
+    for (int node : model_.ports[p].nodes) {
+      const Eigen::Vector3d relative = at(v, 3 * node) - end[p].v_WP;
+      const Eigen::Vector3d arm = at(x, 3 * node) - end[p].p_WP;
+      shift.segment<3>(3 * node) = turn.Q * (relative - turn.omega.cross(arm)) - relative;
+    }
+  }
+  return shift;
+}
+
 void EndCarry::conclude_rigid(const State& begin, const Carried& carried, const Made& made,
                               State& after) const {
-  after.rigid =
-      kept_rates(*model_.integrator, carried.begin.rigid, made.rates, carried.h_s);
+  after.rigid = kept_rates(*model_.integrator, carried.begin.rigid, made.rates, carried.h_s);
   for (std::size_t k = 0; k < loose_.ports().size(); ++k) {
     const LoosePorts::Port& port = loose_.ports()[k];
     const Motion& motion = made.end[port.index];
@@ -259,8 +290,7 @@ void EndCarry::conclude_rigid(const State& begin, const Carried& carried, const 
   after.rigid.a_mean = (after.rigid.v - begin.rigid.v) / carried.h_s;
 }
 
-void EndCarry::conclude(const State& begin, const Carried& carried, Made made,
-                        State& after) const {
+void EndCarry::conclude(const State& begin, const Carried& carried, Made made, State& after) const {
   const Integrator& integrator = *model_.integrator;
   const double h_s = carried.h_s;
   after.x = made.x;

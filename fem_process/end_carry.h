@@ -10,16 +10,20 @@ namespace tandem::fem {
 /// several. With r = x − p, Q = exp(h [ω]×), ω² r = ω × (ω × r):
 ///   x̂ = p + Q r,  v̂ = v − ω × r,  â = a_p + Q (a − a_p − ω² r),  q̂ = q_p + Q (q − q_p − ω² r)
 /// are what the plain step starts from, to
-///   x⁺ = x̂ + (its displacement) + Σ_k φ_k e_k,   M (q⁺ + Q ω² r) + C (y − y_ref) + f(x⁺) = f_ext + …
-/// with e_k = p_k⁺ − (where the plain step takes the origin of port k, a_p by the same recursion).
+///   x⁺ = x̂ + (its displacement) + Σ_k φ_k e_k,   M (q⁺ + ω² r̃) + C (y − y_ref) + f(x⁺) = f_ext + …
+/// with r̃ = r at x̃, O(h²) from that at the end, and
+/// e_k = p_k⁺ − (where the plain step takes the origin of port k, a_p by the same recursion).
 /// Then, y being the velocities solved for,
 ///   v⁺ = v_p⁺ + ω × (x⁺ − p⁺) + Qᵀ (y − v_p⁺),   a⁺ ← a⁺ + ω² (x⁺ − p⁺).
 ///
-/// In turning axes the motion relative to the holder has Coriolis's acceleration −2 ω × w. It turns w
-/// by −2 ω h over the step, half of it before and half after the plain step [Strang 1968]; in W axes
-/// the first half leaves v̂ − v_p as it is, the second is Qᵀ. Both halves keep w·w, and the plain step
-/// in turning axes has the stability that it has at rest: unconditional, for any ω h, with a symmetric
-/// matrix. Coriolis's force in the balance would make it unsymmetric, or explicit and unstable.
+/// In turning axes the motion relative to the holder has Coriolis's acceleration −2 ω × w. It turns
+/// w by −2 ω h over the step, half of it before and half after the plain step [Strang 1968]; in W
+/// axes the first half leaves v̂ − v_p as it is, the second is Qᵀ. Both halves keep w·w, and the
+/// plain step in turning axes has the stability that it has at rest: unconditional, for any ω h,
+/// with a symmetric matrix. Coriolis's force in the balance would make it unsymmetric, or explicit
+/// and unstable.
+///
+/// Parts that averaging ports or bushings hold are carried without rotation (ω = 0).
 ///
 /// x̃, where forces are linearised, is where the relative velocity of the last step would lead: to
 /// O(h²) where the body goes, without what the last acceleration makes of stiff modes that ring.
@@ -30,9 +34,15 @@ class EndCarry final : public Carry {
   [[nodiscard]] Carried begin(const State& state, double h_s) const override;
   [[nodiscard]] MotionSet seen(const Carried& carried, const MotionSet& end) const override;
   [[nodiscard]] Eigen::VectorXd drift(const Carried& carried, const MotionSet& end) const override;
+  void take_mean(const Carried&, Eigen::VectorXd&) const override {
+    // Forces are balanced where they stand at the end.
+  }
   void see_prescribed(const Carried&, Eigen::VectorXd&) const override {
     // Their accelerations follow from their velocities in W.
   }
+  [[nodiscard]] Eigen::VectorXd prescribed_shift(const Carried& carried, const MotionSet& end,
+                                                 const Eigen::VectorXd& x,
+                                                 const Eigen::VectorXd& v) const override;
   void conclude(const State& begin, const Carried& carried, Made made, State& after) const override;
 
  private:
@@ -43,15 +53,18 @@ class EndCarry final : public Carry {
     Eigen::Vector3d a = Eigen::Vector3d::Zero();
     Eigen::Vector3d q = Eigen::Vector3d::Zero();
   };
-  [[nodiscard]] const Eigen::Matrix3d& axes(const Carried::Turn& turn) const override {
-    return turn.Q;
+  [[nodiscard]] Eigen::Vector3d foreseen(const Carried& carried, const Carried::Turn&,
+                                         const Eigen::Vector3d& at,
+                                         const Eigen::Vector3d& v) const override {
+    return at + carried.h_s * v;
   }
   [[nodiscard]] Motion seen_ground(const Carried::Turn& turn,
                                    const Eigen::Vector3d& at) const override;
+  [[nodiscard]] bool loosely_held(const BodyPart& part) const;
   [[nodiscard]] Eigen::Vector3d holders_rate(const BodyPart& part, const MotionSet& ports) const;
   [[nodiscard]] std::vector<Origin> origins(const BodyPart& part, const State& state) const;
-  void see(const BodyPart& part, const State& state, const Carried::Turn& turn,
-           Carried& carried, Eigen::VectorXd& x_tilde, Eigen::VectorXd& centripetal_a) const;
+  void see(const BodyPart& part, const State& state, const Carried::Turn& turn, Carried& carried,
+           Eigen::VectorXd& x_tilde, Eigen::VectorXd& centripetal_a) const;
   void see_rigid(const State& state, Carried& carried) const;
   void turn_prescribed(const State& state, Carried& carried) const;
   void conclude_rigid(const State& begin, const Carried& carried, const Made& made,

@@ -96,26 +96,19 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
   };
   for (std::int64_t j = 1; j <= n && done.report.outcome != Outcome::Failed; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
-    const double s_force =
-        model_.integrator->constant_forces()
-            ? (static_cast<double>(j) - 0.5) / static_cast<double>(n)
-            : s;
     const MotionSet end = interpolate(request.input, s, request.step, rule);
-    TorqueArms torques = arms_at(interpolate(request.input, s_force, request.step, rule));
-    if (model_.integrator->constant_forces()) torques.about = arms_at(request.input.begin).about;
     Linearisation& kept = kept_[j == 1 ? 0 : 1];
     if (j > 1 && step_->shares_factor()) kept.neighbour = &kept_[0];
     const State from = std::move(done.last.state);
-    done.last = step_->advance(from, end, torques, h, kept);
+    done.last = step_->advance(from, end, request.input.begin, h, kept);
     done.last.state.generation = ++generations_;
     book(done.last.report, from.time + h);
     answer.add(done.last.wrenches);
     if (!request.linearize || done.report.outcome == Outcome::Failed) continue;
-    book(tangent.advance(
-             from, {end, interpolation_derivative(request.input, s, request.step, rule)},
-             {torques, interpolation_derivative(request.input, s_force, request.step, rule)},
-             done.last, kept.last()),
-         from.time + h);
+    book(
+        tangent.advance(from, {end, interpolation_derivative(request.input, s, request.step, rule)},
+                        request.input.begin, done.last, kept),
+        from.time + h);
     answer.add(tangent.jacobian());
   }
   if (done.report.outcome == Outcome::Failed) return done;

@@ -23,8 +23,8 @@ namespace tandem::fem {
 /// r_i = R_WP(0)ᵀ (X_i − p_WP(0)) from initialize(). The wrench is the full dynamic reaction at the
 /// end of the step: with g_i the force the node needs (inertia, damping, internal, minus external),
 ///   f_P_W = −Σ g_i,  t_P_W = −Σ (x_i − p) × g_i.
-/// With backward Euler, g_i is the mean over the step, the nodes stand as in its middle, and p is Po
-/// at the beginning of the macro step (see there); with all others everything is at the end.
+/// With backward Euler, g_i is the mean over the step, the nodes stand as in its middle, and p is
+/// Po at the beginning of the macro step (see there); with all others everything is at the end.
 /// Averaging ports and bushings: see LoosePorts.
 /// With backward Euler linear momentum closes to round-off over every step:
 /// h Σ f_P_W = −ΔP + h Σ f_ext (without fixed sets and mass-proportional damping).

@@ -12,10 +12,10 @@ namespace tandem::fem {
 ///   M ((1 − α_m) a⁺ + α_m a) + (1 − α_f) r⁺ + α_f r = 0;
 /// written so, the reactions of prescribed nodes are those of the end of the step and no recursion
 /// of weighted reactions is needed [Arnold & Brüls 2007].
-/// Solved for v⁺, linearised at x̃ = x + h v: x⁺ − x̃ is O(h²), so what K_R leaves out costs O(h³) per
-/// step and the order stays two without iterations. EndCarry takes the turning of the body out of the
-/// step, and puts x̃ where it is next to it. Prescribed nodes: q⁺ = ā + ½ (ā − ā_n) with
-/// ā = (v⁺ − v)/h, second order, which forgets jumps of the prescribed velocity after two steps.
+/// Solved for v⁺, linearised at x̃ = x + h v: x⁺ − x̃ is O(h²), so what K_R leaves out costs O(h³)
+/// per step and the order stays two without iterations. EndCarry takes the turning of the body out
+/// of the step, and puts x̃ where it is next to it. Prescribed nodes: q⁺ = ā + ½ (ā − ā_n) with ā =
+/// (v⁺ − v)/h, second order, which forgets jumps of the prescribed velocity after two steps.
 /// Impulse: the sum of h times the wrenches differs from the change of momentum by terms of the
 /// first and the last two steps alone; it does not grow.
 class GeneralisedAlpha final : public Integrator {

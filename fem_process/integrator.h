@@ -15,8 +15,8 @@ namespace tandem::fem {
 /// f_int and K are linearised at x̃, which does not depend on the step's input: repetitions of a
 /// step share one factorisation.
 struct StepMap {
-  double c_x = 0.0;  ///< s
-  double c_a = 0.0;  ///< 1/s
+  double c_x = 0.0;         ///< s
+  double c_a = 0.0;         ///< 1/s
   Eigen::VectorXd x_tilde;  ///< linearisation point (m)
   Eigen::VectorXd d_hat;    ///< m
   Eigen::VectorXd a_hat;    ///< m/s²
@@ -38,10 +38,11 @@ class Integrator {
   /// Whether the state carries a and a_mean.
   [[nodiscard]] virtual bool keeps_history() const = 0;
   /// Whether reactions act constantly over the step, so that h times the reaction is the impulse on
-  /// the ports. Several such steps answer a macro step with the mean of their wrenches, which leaves
-  /// the momentum as it is, and take their port velocities linear within it. The arms of such forces
-  /// stand as in the middle of the step, about the ports' origins at the beginning of the macro
-  /// step; those of forces at the end of the step stand, and are taken about the origins, there.
+  /// the ports. Several such steps answer a macro step with the mean of their wrenches, which
+  /// leaves the momentum as it is, and take their port velocities linear within it. The arms of
+  /// such forces stand as in the middle of the step, about the ports' origins at the beginning of
+  /// the macro step; those of forces at the end of the step stand, and are taken about the origins,
+  /// there.
   [[nodiscard]] virtual bool constant_forces() const { return false; }
   /// Whether masses and velocities enter the balance; false: statics.
   [[nodiscard]] virtual bool inertia() const { return true; }
@@ -54,9 +55,10 @@ class Integrator {
 /// Angular momentum: with x_m = (x + x⁺)/2,
 ///   x⁺ × M v⁺ − x × M v = x_m × M (v⁺ − v) + ½ (x⁺ − x) × M (v + v⁺),
 /// and the last term vanishes where nodes move along their mean velocity, as they do in turning. So
-/// forces on the ports have their arms in the middle of the step. The multibody side moves its bodies
-/// by p⁺ = p + h v⁺, for which p⁺ × m v⁺ − p × m v = p × m (v⁺ − v): it takes the moment of the same
-/// force about the origin of the port at the beginning, to which the torque therefore refers.
+/// forces on the ports have their arms in the middle of the step. The multibody side moves its
+/// bodies by p⁺ = p + h v⁺, for which p⁺ × m v⁺ − p × m v = p × m (v⁺ − v): it takes the moment of
+/// the same force about the origin of the port at the beginning, to which the torque therefore
+/// refers.
 class BackwardEuler final : public Integrator {
  public:
   [[nodiscard]] StepMap map(const State& state, double h_s) const override;

@@ -74,9 +74,9 @@ class LoosePorts {
   /// prescribed nodes: adds to d and a what the step's maps lack of them. δ at the beginning of the
   /// step stands for δ at its end there: the force of the difference is of second order. Returns ρ
   /// and its rates at the end of the step.
-  /// `d_hat` is that of the free nodes, the drift of the ports included. Positions and velocities are
-  /// those that the balance sees, the prescribed accelerations follow
-  /// from velocities in W: see Carry.
+  /// `d_hat` is that of the free nodes, the drift of the ports included. Positions and velocities
+  /// are those that the balance sees, the prescribed accelerations follow from velocities in W: see
+  /// Carry.
   struct EndMotions {
     const MotionSet& in_world;
     const MotionSet& seen;

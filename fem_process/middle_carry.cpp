@@ -27,6 +27,7 @@ Carried MiddleCarry::begin(const State& state, double h_s) const {
       carried.begin.v.segment<3>(3 * node) -= velocity;
     }
   }
+  carried.drag = carried.velocity;
   carried.map = model_.integrator->map(carried.begin, h_s);
   return carried;
 }
@@ -47,31 +48,45 @@ MotionSet MiddleCarry::seen(const Carried& carried, const MotionSet& end) const 
     const Motion still = seen_ground(turn, at);
     motions[p].v_WP += still.v_WP;
     motions[p].w_WP += still.w_WP;
-    motions[p].p_WP =
-        turn.about + turn.half * (at - turn.about) + carried.h_s * motions[p].v_WP;
-    motions[p].q_WP =
-        Eigen::Quaterniond(Eigen::Matrix3d(turn.half.transpose())) * end[p].q_WP;
+    motions[p].p_WP = turn.about + turn.half * (at - turn.about) + carried.h_s * motions[p].v_WP;
+    motions[p].q_WP = Eigen::Quaterniond(Eigen::Matrix3d(turn.half.transpose())) * end[p].q_WP;
   }
   return motions;
 }
 
 void MiddleCarry::see_prescribed(const Carried& carried, Eigen::VectorXd& v) const {
-  for (int node : model_.prescribed) v.segment<3>(3 * node) -= carried.velocity.segment<3>(3 * node);
+  for (int node : model_.prescribed)
+    v.segment<3>(3 * node) -= carried.velocity.segment<3>(3 * node);
+}
+
+void MiddleCarry::take_mean(const Carried& carried, Eigen::VectorXd& f) const {
+  if (!carried.turning) return;
+  for (std::size_t s = 0; s < parts_.size(); ++s) {
+    const Eigen::Matrix3d& T = carried.turns[s].mean;
+    for (int node : parts_[s].nodes) f.segment<3>(3 * node) = (T * f.segment<3>(3 * node)).eval();
+  }
 }
 
 void MiddleCarry::conclude(const State& begin, const Carried& carried, Made made,
                            State& after) const {
   after.port_motions = made.end;
   const double h = carried.h_s;
+  after.port_rates.a_mean.resize(3 * static_cast<Eigen::Index>(made.end.size()));
+  for (std::size_t p = 0; p < made.end.size(); ++p) {
+    after.port_rates.a_mean.segment<3>(3 * static_cast<Eigen::Index>(p)) =
+        (made.end[p].v_WP - carried.ports[p].v_WP) / h;
+  }
   Eigen::VectorXd x = made.x;
   if (model_.integrator->inertia()) {
     for (std::size_t s = 0; s < parts_.size(); ++s) {
       const BodyPart& part = parts_[s];
       const Carried::Turn& turn = carried.turns[s];
       const Eigen::Vector3d along = h * mean(part, made.v);
+      // Small terms first: the rounding of positions enters forces with the stiffness.
+      const Eigen::Matrix3d turned = turn.Q - Eigen::Matrix3d::Identity();
       const auto place = [&](const Eigen::Vector3d& at, const Eigen::Vector3d& d) {
-        return Eigen::Vector3d(turn.about + turn.Q * (at - turn.about) + along +
-                               turn.half * (d - along));
+        return Eigen::Vector3d(at +
+                               (turned * (at - turn.about) + (along + turn.half * (d - along))));
       };
       for (int node : part.nodes) {
         const Eigen::Index row = 3 * node;

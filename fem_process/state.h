@@ -25,9 +25,9 @@ struct RateHistory {
 /// Backward Euler needs x and v alone; the other vectors are then empty.
 struct State {
   SimTime time{};
-  Eigen::VectorXd x;  ///< positions (m)
-  Eigen::VectorXd v;  ///< velocities (m/s)
-  Eigen::VectorXd a;  ///< Newmark's accelerations (m/s²), at t + (α_m − α_f) h
+  Eigen::VectorXd x;             ///< positions (m)
+  Eigen::VectorXd v;             ///< velocities (m/s)
+  Eigen::VectorXd a;             ///< Newmark's accelerations (m/s²), at t + (α_m − α_f) h
   Eigen::VectorXd acceleration;  ///< of the balance of forces at t (m/s²)
   Eigen::VectorXd a_mean;  ///< (v − v_previous)/h of the last step: prescribed nodes' history
   /// Mean velocity over the last step relative to what carries the node (m/s), see EndCarry; empty
@@ -53,7 +53,7 @@ struct State {
   Eigen::VectorXd beyond;
   double bushing_loss_W = 0.0;
   MotionSet port_motions;
-  RateHistory port_rates;  ///< of the ports' origins, v left out; empty with backward Euler
+  RateHistory port_rates;  ///< of the ports' origins, v left out; with backward Euler a_mean alone
   WrenchSet port_wrenches;
   int inverted_elements = 0;  ///< at the last linearisation
   /// Number of this state: equal numbers mean equal states, so that what was computed from a state

@@ -5,15 +5,17 @@
 namespace tandem::fem {
 namespace {
 
-/// C v = α M v + β K v.
-Eigen::VectorXd damping_force(const Model& model, const BlockValues& K, const Eigen::VectorXd& v) {
+/// α M v + β K w: mass damping of velocities in W, stiffness damping of those beyond a rigid
+/// motion.
+Eigen::VectorXd damping_force(const Model& model, const BlockValues& K, const Eigen::VectorXd& v,
+                              const Eigen::VectorXd& w) {
   const Damping& damping = model.params.damping;
   Eigen::VectorXd force = Eigen::VectorXd::Zero(v.size());
   if (damping.alpha_per_s > 0.0) {
     force += damping.alpha_per_s * multiply_scalar(model.pattern(), model.mass, v);
   }
   if (damping.beta_s > 0.0) {
-    force += multiply(model.pattern(), K, damping.beta_s * v, {}, model.team.get());
+    force += multiply(model.pattern(), K, damping.beta_s * w, {}, model.team.get());
   }
   return force;
 }
@@ -25,7 +27,7 @@ bool is_damped(const Model& model) {
 
 /// Q^−½ (x⁺ − c − Q (x − c)): how the nodes have moved but for the turn, in the balance's axes.
 Eigen::VectorXd moved_beyond_turn(const StepForces& step, const State& begin, const State& after) {
-  const Carried& carried = step.kept.carried;
+  const Carried& carried = step.carried;
   Eigen::VectorXd moved(after.x.size());
   const std::vector<BodyPart>& parts = step.carry.parts();
   for (std::size_t s = 0; s < parts.size(); ++s) {
@@ -46,7 +48,7 @@ Eigen::VectorXd turned(const StepForces& step, const Eigen::VectorXd& x) {
   Eigen::VectorXd y(x.size());
   const std::vector<BodyPart>& parts = step.carry.parts();
   for (std::size_t s = 0; s < parts.size(); ++s) {
-    const Eigen::Matrix3d& half = step.kept.carried.turns[s].half;
+    const Eigen::Matrix3d& half = step.carried.turns[s].half;
     for (int node : parts[s].nodes) y.segment<3>(3 * node) = half * x.segment<3>(3 * node);
   }
   return y;
@@ -56,14 +58,13 @@ void book_end_forces(const Model& model, const State& begin, const StepForces& s
   const Linearisation& kept = step.kept;
   const double h_s = kept.h_s;
   const auto times_K = [&](const Eigen::VectorXd& x) {
-    return multiply(model.pattern(), kept.K, x, {}, model.team.get());
+    return multiply(model.pattern(), kept.stiffness(), x, {}, model.team.get());
   };
   const Eigen::VectorXd moved = after.x - begin.x;
   const Eigen::VectorXd mean = 0.5 * h_s * (begin.v + after.v);  // h v̄
   const Eigen::VectorXd delta = moved_beyond_turn(step, begin, after);
   const Eigen::VectorXd Kd = times_K(step.d);
-  const Eigen::VectorXd Ke =
-      times_K(delta - (kept.map.x_tilde + step.d - kept.carried.begin.x));
+  const Eigen::VectorXd Ke = times_K(delta - (kept.map.x_tilde + step.d - step.carried.begin.x));
   const double interface_J = -h_s * interface_power_W(step.wrenches, step.motions);
   const Eigen::VectorXd load = model.loads(to_seconds(after.time)) + step.commanded;
   Eigen::VectorXd f_ext = load;
@@ -75,8 +76,11 @@ void book_end_forces(const Model& model, const State& begin, const StepForces& s
   double numerical_J = f_ext.dot(moved - mean) + interface_J - mean.dot(step.react) +
                        mean.dot(kept.f_mean + Kd) - elastic_J;
   if (is_damped(model)) {
-    const Eigen::VectorXd viscous = damping_force(model, kept.K, step.damped);
-    const double damping_J = h_s * step.damped.dot(viscous);
+    const Eigen::VectorXd drag = model.params.damping.alpha_per_s *
+                                 multiply_scalar(model.pattern(), model.mass, step.dragged);
+    const Eigen::VectorXd viscous =
+        damping_force(model, kept.stiffness(), step.dragged, step.damped);
+    const double damping_J = h_s * (step.dragged.dot(drag) + step.damped.dot(viscous - drag));
     numerical_J += mean.dot(viscous) - damping_J;
     after.book.damping_loss_J += damping_J;
   }
@@ -110,12 +114,12 @@ void book_trapezoids(const Model& model, const State& begin, const StepForces& s
     // The forces of the balance, of which all works so far are, belong to the positions x̃ + d:
     // LoosePorts::follow() has moved nodes on to the pose of their port.
     const Eigen::VectorXd e = after.x - (step.kept.map.x_tilde + step.d);
-    after.beyond = multiply(model.pattern(), step.kept.K, e, {}, model.team.get());
+    after.beyond = multiply(model.pattern(), step.kept.stiffness(), e, {}, model.team.get());
     numerical_J -= 0.5 * moved.dot(after.beyond);
     if (begin.beyond.size() > 0) numerical_J -= 0.5 * moved.dot(begin.beyond);
   }
   if (is_damped(model)) {
-    after.damping_force = damping_force(model, step.kept.K, step.damped);
+    after.damping_force = damping_force(model, step.kept.stiffness(), step.dragged, step.damped);
     after.book.damping_loss_J +=
         0.5 * (moved.dot(begin.damping_force) + moved.dot(after.damping_force));
   }
@@ -172,7 +176,7 @@ void book_start(const Model& model, const BlockValues& K, const Eigen::VectorXd&
   if (model.integrator->constant_forces()) return;
   state.beyond.resize(0);
   state.support = react;
-  if (is_damped(model)) state.damping_force = damping_force(model, K, damped);
+  if (is_damped(model)) state.damping_force = damping_force(model, K, state.v, damped);
 }
 
 }  // namespace tandem::fem

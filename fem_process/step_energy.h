@@ -10,29 +10,32 @@ namespace tandem::fem {
 /// What a step made, as far as its works need it.
 struct StepForces {
   const Linearisation& kept;  ///< of the step's balance of forces
+  const Carried& carried;
   const LoosePorts& loose;
   const Carry& carry;
   const Eigen::VectorXd& f_begin;    ///< f_int at the step's first x̃ (N)
   const Eigen::VectorXd& d;          ///< x⁺ − x̃ as the balance has it (m)
   const Eigen::VectorXd& react;      ///< forces of all ports on the nodes at the end (N)
   const Eigen::VectorXd& commanded;  ///< nodal forces by command (N)
-  const Eigen::VectorXd& damped;     ///< velocities that C damps (m/s); empty without damping
+  const Eigen::VectorXd& damped;     ///< velocities that β K damps (m/s); empty without damping
+  const Eigen::VectorXd& dragged;    ///< velocities that α M damps (m/s); empty without damping
   const MotionSet& motions;          ///< of the ports at the end
   const WrenchSet& wrenches;         ///< at the end
 };
 
 /// Books a step from `begin` to `after`, whose time, x, v and accelerations are there, in `after`.
 ///
-/// Backward Euler, in the axes of MiddleCarry. With Δv = v⁺ − v, v̄ = ½ (v + v⁺), Δx = x⁺ − x, and δ the
-/// displacement without the turn, Q^−½ (x⁺ − c − Q (x − c)):
-///   interface = −h Σ λ·V⁺,  external = f⁺·Δx,  damping = h w·C w  (w what C damps),
+/// Backward Euler, in the axes of MiddleCarry. With Δv = v⁺ − v, v̄ = ½ (v + v⁺), Δx = x⁺ − x, and δ
+/// the displacement without the turn, Q^−½ (x⁺ − c − Q (x − c)):
+///   interface = −h Σ λ·V⁺,  external = f⁺·Δx,  damping = h (v⁺·α M v⁺ + w·β K w)  (w what β K
+///   damps),
 /// The kinetic energy changes by v̄·M Δv, which is h v̄ times all forces of the balance, so that
-///   numerical = f_ext·(Δx − h v̄) + interface − h v̄·g + h v̄·C w − damping
+///   numerical = f_ext·(Δx − h v̄) + interface − h v̄·g + h v̄·(α M v⁺ + β K w) − damping
 ///               + h v̄·(T f + K d) − ΔU,   ΔU = δ·f(x̃) + ½ δ·K δ,
-/// gravity among f_ext. In translation this is ½ Δv·M Δv + ½ d·K d, and what port nodes, which go to
-/// their port's pose, move beyond h v⁺. For others than linear bodies K leaves out how the force turns
-/// with the elements; once the next step knows f(x⁺) it adds what makes ΔU the trapezoid
-/// ½ δ·(f(x) + f(x⁺)). The book thus lags by that term of the last step.
+/// gravity among f_ext. In translation this is ½ Δv·M Δv + ½ d·K d, and what port nodes, which go
+/// to their port's pose, move beyond h v⁺. For others than linear bodies K leaves out how the force
+/// turns with the elements; once the next step knows f(x⁺) it adds what makes ΔU the trapezoid ½
+/// δ·(f(x) + f(x⁺)). The book thus lags by that term of the last step.
 ///
 /// All others balance forces at both ends, M q + C v + f_int − f_ext = g: works are trapezoids over
 /// the displacement,

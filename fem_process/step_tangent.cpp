@@ -36,15 +36,14 @@ using Fields = std::vector<Eigen::VectorXd State::*>;
 
 /// Vectors of a state that a step starts from.
 const Fields& fields() {
-  static const Fields all = {&State::x,      &State::v,
-                             &State::a,      &State::acceleration,
-                             &State::a_mean, &State::relative_velocity,
+  static const Fields all = {&State::x,       &State::v,
+                             &State::a,       &State::acceleration,
+                             &State::a_mean,  &State::relative_velocity,
                              &State::attached};
   return all;
 }
-constexpr Eigen::VectorXd RateHistory::*kRates[] = {&RateHistory::v, &RateHistory::a,
-                                                    &RateHistory::acceleration,
-                                                    &RateHistory::a_mean};
+constexpr Eigen::VectorXd RateHistory::*kRates[] = {
+    &RateHistory::v, &RateHistory::a, &RateHistory::acceleration, &RateHistory::a_mean};
 constexpr RateHistory State::*kHistories[] = {&State::rigid, &State::port_rates};
 
 void add(const Eigen::VectorXd& change, double amount, Eigen::VectorXd& value) {
@@ -108,8 +107,7 @@ StepTangent::Nudged StepTangent::nudge(const Step& step, const Direction& direct
     return nudged;
   }
   nudged.begin = shifted(step.begin, direction.begin, amount);
-  nudged.begin.port_motions =
-      displaced(step.begin.port_motions, amount * direction.port_begin);
+  nudged.begin.port_motions = displaced(step.begin.port_motions, amount * direction.port_begin);
   nudged.carried = carry_.begin(nudged.begin, step.kept.h_s);
   return nudged;
 }
@@ -131,6 +129,8 @@ void StepTangent::see(const Step& step, Direction& direction) const {
   const Nudged below = nudge(step, direction, -amount);
   const Nudged above = nudge(step, direction, amount);
   const double scale = 0.5 / amount;
+  direction.dd_first.resize(0);
+  direction.turning.resize(0);
   direction.dd = Eigen::VectorXd::Zero(n);
   direction.da = Eigen::VectorXd::Zero(n);
   if (direction.started()) {
@@ -142,7 +142,7 @@ void StepTangent::see(const Step& step, Direction& direction) const {
     direction.map.a_hat_prescribed = scale * (b.a_hat_prescribed - a.a_hat_prescribed);
     direction.dd = direction.map.d_hat;
     direction.da = direction.map.a_hat;
-    if (!step.kept.iterated) turn_forces(step, below, above, direction);
+    turn_forces(step, below, above, direction);
   }
   const Eigen::VectorXd drift = carry_.drift(above.carried, above.end);
   if (drift.size() > 0) {
@@ -152,9 +152,12 @@ void StepTangent::see(const Step& step, Direction& direction) const {
                                         carry_.seen(above.carried, above.end));
   if (step.result.damped.size() > 0) {
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(n);
-    direction.d_reference =
-        scale * (carry_.reference(above.begin, above.carried, above.end, none) -
-                 carry_.reference(below.begin, below.carried, below.end, none));
+    direction.d_reference = scale * (carry_.reference(above.begin, above.carried, above.end, none) -
+                                     carry_.reference(below.begin, below.carried, below.end, none));
+  }
+  direction.d_drag.resize(0);
+  if (step.result.damped.size() > 0 && direction.started()) {
+    direction.d_drag = scale * (above.carried.drag - below.carried.drag);
   }
   if (above.carried.velocity.size() > 0 && direction.started()) {
     direction.dv = -scale * (above.carried.velocity - below.carried.velocity);
@@ -162,12 +165,25 @@ void StepTangent::see(const Step& step, Direction& direction) const {
   } else {
     direction.dv = Eigen::VectorXd::Zero(n);
   }
-  if (!loose_.empty()) see_loose(step, below, above, direction);
+  const auto torques = [&](const Nudged& nudged) {
+    return step_.torque_arms(nudged.begin, nudged.end, step.about, step.kept.h_s);
+  };
+  const TorqueArms a = torques(below);
+  const TorqueArms b = torques(above);
+  const Eigen::VectorXd pose = scale * difference(a.pose, b.pose);
+  direction.d_origin.resize(pose.size() / 4);
+  direction.d_arms_turn.resize(pose.size() / 4);
+  for (std::size_t p = 0; p < a.pose.size(); ++p) {
+    const auto at = static_cast<Eigen::Index>(p);
+    direction.d_origin.segment<3>(3 * at) =
+        pose.segment<3>(12 * at) - scale * (b.about[p] - a.about[p]);
+    direction.d_arms_turn.segment<3>(3 * at) = pose.segment<3>(12 * at + 3);
+  }
+  if (!loose_.empty()) see_loose(below, above, direction);
 }
 
 /// What averaging ports add to d and a before the solve.
-void StepTangent::see_loose(const Step& step, const Nudged& below, const Nudged& above,
-                            Direction& direction) const {
+void StepTangent::see_loose(const Nudged& below, const Nudged& above, Direction& direction) const {
   direction.d_phi = Eigen::VectorXd::Zero(loose_.size());
   if (direction.started()) direction.d_phi = direction.begin.attached;
   if (!model_.integrator->keeps_history()) return;
@@ -180,8 +196,8 @@ void StepTangent::see_loose(const Step& step, const Nudged& below, const Nudged&
     const Eigen::VectorXd d_hat = carried.map.d_hat + carry_.drift(carried, nudged.end);
     Added added{Eigen::VectorXd::Zero(d_hat.size()), Eigen::VectorXd::Zero(d_hat.size()), {}};
     const MotionSet seen = carry_.seen(carried, nudged.end);
-    added.rates = loose_.prescribe(carried.map, carried.rigid, d_hat, {nudged.end, seen}, added.d,
-                                   added.a);
+    added.rates =
+        loose_.prescribe(carried.map, carried.rigid, d_hat, {nudged.end, seen}, added.d, added.a);
     return added;
   };
   const Added a = prescribe(below);
@@ -190,7 +206,6 @@ void StepTangent::see_loose(const Step& step, const Nudged& below, const Nudged&
   direction.dd += scale * (b.d - a.d);
   direction.da += scale * (b.a - a.a);
   direction.d_rates = {.v = scale * (b.rates.v - a.rates.v), .a = scale * (b.rates.a - a.rates.a)};
-  static_cast<void>(step);
 }
 
 /// f_int and K of the linearisation turn and strain with x̃, T with the turn of the step.
@@ -198,19 +213,29 @@ void StepTangent::turn_forces(const Step& step, const Nudged& below, const Nudge
                               Direction& direction) const {
   const StepMap& map = step.kept.map;
   const Eigen::VectorXd& dx = direction.map.x_tilde;
-  Eigen::VectorXd y = step.result.d;
-  if (step.result.damped.size() > 0) y += model_.params.damping.beta_s * step.result.damped;
-  direction.turning = model_.formulation->derivative(map.x_tilde, y, dx);
+  const bool iterated = step.last().kind == Linearisation::Kind::Iterated;
+  Eigen::VectorXd f_above = step.last().f_int;
+  Eigen::VectorXd f_below = step.last().f_int;
+  carry_.take_mean(above.carried, f_above);
+  carry_.take_mean(below.carried, f_below);
+  const Eigen::VectorXd of_mean = 0.5 / direction.amount * (f_above - f_below);
+  if (iterated) {
+    direction.turning = of_mean;
+    return;
+  }
+  const bool corrected = step.last().kind == Linearisation::Kind::Corrected;
+  Eigen::VectorXd y =
+      corrected ? Eigen::VectorXd(step.last().map.x_tilde - map.x_tilde) : step.result.d;
+  if (step.result.damped.size() > 0) {
+    y += model_.params.damping.beta_s * (corrected ? step.result.first_damped : step.result.damped);
+  }
+  direction.turning = step_.turning(step.kept, map.x_tilde, y, dx);
   if (!step.kept.carried.turning || model_.integrator->keeps_history()) return;
   Eigen::VectorXd of_force =
       model_.formulation->derivative(map.x_tilde, Eigen::VectorXd::Zero(y.size()), dx);
-  direction.turning -= of_force;
+  direction.turning += of_mean - of_force;
   carry_.take_mean(step.kept.carried, of_force);
-  Eigen::VectorXd f_above = step.kept.f_int;
-  Eigen::VectorXd f_below = step.kept.f_int;
-  carry_.take_mean(above.carried, f_above);
-  carry_.take_mean(below.carried, f_below);
-  direction.turning += of_force + 0.5 / direction.amount * (f_above - f_below);
+  direction.turning += of_force;
 }
 
 /// Derivatives before the solve: free nodes with dv = 0, prescribed nodes with
@@ -220,8 +245,7 @@ void StepTangent::prescribe(const Step& step, Eigen::Index column, Direction& di
   const StepMap& map = step.kept.map;
   const auto p = static_cast<std::size_t>(column / 12);
   const Eigen::Matrix<double, 12, 1> change = step.end.derivative[p].col(column % 12);
-  direction.port_end =
-      Eigen::VectorXd::Zero(12 * static_cast<Eigen::Index>(step.end.value.size()));
+  direction.port_end = Eigen::VectorXd::Zero(12 * static_cast<Eigen::Index>(step.end.value.size()));
   direction.port_end.segment<12>(12 * static_cast<Eigen::Index>(p)) = change;
   see(step, direction);
   direction.dx = Eigen::VectorXd::Zero(step.begin.x.size());
@@ -231,8 +255,8 @@ void StepTangent::prescribe(const Step& step, Eigen::Index column, Direction& di
     const Eigen::Vector3d turn = change.segment<3>(3).cross(r);
     const Eigen::Index at = 3 * model_.ports[p].nodes[k];
     direction.dx.segment<3>(at) = change.segment<3>(0) + turn;
-    direction.dv.segment<3>(at) += change.segment<3>(6) + change.segment<3>(9).cross(r) +
-                                   step.end.value[p].w_WP.cross(turn);
+    direction.dv.segment<3>(at) +=
+        change.segment<3>(6) + change.segment<3>(9).cross(r) + step.end.value[p].w_WP.cross(turn);
   }
   if (!model_.integrator->inertia()) direction.dv.setZero();
   for (int node : model_.prescribed) {
@@ -251,6 +275,16 @@ void StepTangent::prescribe(const Step& step, Eigen::Index column, Direction& di
     direction.da.segment<3>(at) = da;
     direction.dd.segment<3>(at) = dd;
   }
+  if (direction.d_reference.size() > 0) {
+    const auto shift = [&](double amount) {
+      const Nudged nudged = nudge(step, direction, amount);
+      return carry_.prescribed_shift(nudged.carried, nudged.end,
+                                     step.result.state.x + amount * direction.dx,
+                                     step.result.y + amount * direction.dv);
+    };
+    direction.d_shift =
+        0.5 / direction.amount * (shift(direction.amount) - shift(-direction.amount));
+  }
   const bool damped = direction.d_reference.size() > 0 && !direction.d_reference.isZero(0.0);
   const bool own = model_.ports[p].attachment.loose() && !change.isZero(0.0);
   direction.moves = direction.started() || damped || own ||
@@ -258,11 +292,7 @@ void StepTangent::prescribe(const Step& step, Eigen::Index column, Direction& di
 }
 
 Eigen::VectorXd StepTangent::damped_change(const Direction& direction) const {
-  Eigen::VectorXd change = direction.dv - direction.d_reference;
-  if (model_.integrator->keeps_history()) {
-    for (int node : model_.prescribed) change.segment<3>(3 * node).setZero();
-  }
-  return change;
+  return direction.dv + direction.d_shift - direction.d_reference;
 }
 
 /// Derivative of M a + C w + T f_int − f_ext: of its linearisation at x̃ or, where the step is
@@ -270,13 +300,15 @@ Eigen::VectorXd StepTangent::damped_change(const Direction& direction) const {
 Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& direction,
                                       ProductPart part) const {
   const Damping& damping = model_.params.damping;
-  const Linearisation& kept = step.kept;
+  const bool corrected = direction.dd_first.size() > 0;
+  const bool iterated = step.last().kind == Linearisation::Kind::Iterated;
+  const Linearisation& kept = corrected || iterated ? step.last() : step.kept;
   const bool damped = direction.d_reference.size() > 0;
   const Eigen::VectorXd rate = damped ? damped_change(direction) : Eigen::VectorXd{};
   // What damping refers to moves everywhere, not at the port's nodes alone.
   if (damped) part.columns = nullptr;
   Eigen::VectorXd change;
-  if (kept.iterated) {
+  if (iterated) {
     Eigen::VectorXd dx = direction.dd;
     if (direction.started()) dx += direction.map.x_tilde;
     const Eigen::VectorXd at = kept.map.x_tilde + step.result.d;
@@ -287,15 +319,26 @@ Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& directi
       viscous = model_.formulation->derivative(at, damping.beta_s * step.result.damped, dx) -
                 change + multiply(model_.pattern(), kept.K, damping.beta_s * rate, part);
     }
-    carry_.take_mean(kept.carried, change);
+    carry_.take_mean(step.kept.carried, change);
     change += viscous;
   } else {
     Eigen::VectorXd strained = direction.dd;
+    if (corrected) strained -= direction.dd_first;
     if (damping.beta_s > 0.0) strained += damping.beta_s * rate;
-    change = multiply(model_.pattern(), kept.K, strained, part);
+    change = multiply(model_.pattern(), kept.stiffness(), strained, part);
   }
   if (damping.alpha_per_s > 0.0) {
-    change += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, rate, part);
+    Eigen::VectorXd dragged = direction.dv;
+    if (direction.d_drag.size() > 0) {
+      const Eigen::VectorXd& d_drag = direction.d_drag;
+      for (int node : model_.free) dragged.segment<3>(3 * node) += d_drag.segment<3>(3 * node);
+      if (!model_.integrator->keeps_history()) {
+        for (int node : model_.prescribed) {
+          dragged.segment<3>(3 * node) += d_drag.segment<3>(3 * node);
+        }
+      }
+    }
+    change += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, dragged, part);
   }
   if (direction.turning.size() > 0) change += direction.turning;
   change += multiply_scalar(model_.pattern(), model_.mass, direction.da, part);
@@ -303,44 +346,43 @@ Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& directi
   return change;
 }
 
-/// What the arms of the torques add to a column:  −Σ δ(p − about + R r) × g.
-void StepTangent::add_arms(const Step& step, Eigen::Index column) {
-  const auto p = static_cast<std::size_t>(column / 12);
-  const Eigen::Matrix<double, 12, 1> pose = step.torques.derivative[p].col(column % 12);
-  const bool moves = model_.integrator->constant_forces();  // else `about` goes with the port
-  const Eigen::Matrix3d R_WP = step.torques.value.pose[p].q_WP.toRotationMatrix();
-  Eigen::Vector3d torque = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < arms_[p].size(); ++k) {
-    Eigen::Vector3d arm = pose.segment<3>(3).cross(R_WP * arms_[p][k]);
-    if (moves) arm += pose.head<3>();
-    torque -= arm.cross(step.result.react.segment<3>(3 * model_.ports[p].nodes[k]));
+/// What the arms of the torques add:  −Σ δ(p − about + R r) × g.
+void StepTangent::add_arms(const Step& step, const Direction& direction,
+                           WrenchSet& d_wrenches) const {
+  for (std::size_t p = 0; p < arms_.size(); ++p) {
+    const auto at = 3 * static_cast<Eigen::Index>(p);
+    const Eigen::Vector3d turn = direction.d_arms_turn.segment<3>(at);
+    const Eigen::Matrix3d R_WP = step.result.torques.pose[p].q_WP.toRotationMatrix();
+    for (std::size_t k = 0; k < arms_[p].size(); ++k) {
+      const Eigen::Vector3d arm =
+          direction.d_origin.segment<3>(at) + turn.cross(R_WP * arms_[p][k]);
+      d_wrenches[p].t_P_W -= arm.cross(step.result.react.segment<3>(3 * model_.ports[p].nodes[k]));
+    }
   }
-  jacobian_.col(column).segment<3>(6 * static_cast<Eigen::Index>(p) + 3) += torque;
 }
 
 /// Wrench derivatives of one direction.
 void StepTangent::answer(const Step& step, Eigen::Index column, const Direction& direction) {
+  WrenchSet d_wrenches(arms_.size());
   if (direction.moves) {
     const ProductPart part{.rows = &model_.prescribed};
     Eigen::VectorXd d_react = residual(step, direction, part);
     for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
-    WrenchSet d_wrenches = port_wrenches(model_, arms_, step.torques.value, d_react);
+    d_wrenches = port_wrenches(model_, arms_, step.result.torques, d_react);
     if (step.loose != nullptr) {
-      const auto p = static_cast<std::size_t>(column / 12);
       Eigen::VectorXd dx = direction.dd;
       if (direction.started()) dx += direction.map.x_tilde;
       Eigen::VectorXd d_pose = direction.d_seen;
-      if (model_.integrator->constant_forces()) {
-        d_pose.segment<3>(12 * static_cast<Eigen::Index>(p)) -=
-            step.torques.derivative[p].col(column % 12).head<3>();
+      for (Eigen::Index p = 0; 12 * p < d_pose.size(); ++p) {
+        d_pose.segment<3>(12 * p) -= direction.d_origin.segment<3>(3 * p);
       }
-      add_wrench_derivative(loose_, loose_.origins(step.result.seen, step.torques.value),
+      add_wrench_derivative(loose_, loose_.origins(step.result.seen, step.result.torques),
                             step.result.q, step.result.state.attached, d_pose,
                             loose_.coordinates(dx), direction.d_phi, d_wrenches);
     }
-    jacobian_.col(column) = stack(d_wrenches);
   }
-  add_arms(step, column);
+  add_arms(step, direction, d_wrenches);
+  jacobian_.col(column) = stack(d_wrenches);
 }
 
 /// Derivative of the state after the step.
@@ -348,7 +390,7 @@ void StepTangent::conclude(const Step& step, Direction& direction) const {
   const TransientStep::Result& result = step.result;
   const auto after = [&](double amount) {
     const Nudged nudged = nudge(step, direction, amount);
-    Carry::Made made{.x = step.kept.map.x_tilde + result.d,
+    Carry::Made made{.x = step.last().map.x_tilde + result.d,
                      .v = result.y + amount * direction.dv,
                      .a = result.a + amount * direction.da,
                      .rates = result.rates,
@@ -382,10 +424,12 @@ void StepTangent::conclude(const Step& step, Direction& direction) const {
 /// correction is repeated until nothing is left, as the iteration of the step itself.
 SolveReport StepTangent::solve(const Step& step, const std::vector<Eigen::Index>& moving) {
   const SolverParams& params = model_.params.solver;
-  const Linearisation& kept = step.kept;
+  const Linearisation& kept =
+      step.last().kind == Linearisation::Kind::Iterated ? step.last() : step.kept;
   const double limit =
       params.kind == SolverKind::Pcg ? std::max(1e-10, 2.0 * params.tolerance) : 1e-10;
-  const int most = kept.iterated ? 100 : 1;
+  const bool iterated = step.last().kind == Linearisation::Kind::Iterated;
+  const int most = iterated ? 100 : 1;
   const auto count = static_cast<Eigen::Index>(moving.size());
   Eigen::MatrixXd delta(3 * static_cast<Eigen::Index>(model_.free.size()), count);
   Eigen::VectorXd norms(count);
@@ -413,18 +457,14 @@ SolveReport StepTangent::solve(const Step& step, const std::vector<Eigen::Index>
     for (Eigen::Index k = 0; k < count; ++k) {
       Direction& direction =
           directions_[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])];
-      const Eigen::VectorXd column = delta.col(k);
-      scatter_add(column, model_.free, direction.dv);
-      scatter_add(Eigen::VectorXd(kept.map.c_x * column), model_.free, direction.dd);
-      scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
+      take(step, delta.col(k), direction);
       if (step.loose == nullptr) continue;
-      attach(step, direction);
       Eigen::VectorXd pulled = Eigen::VectorXd::Zero(direction.dv.size());
       loose_.add_forces(direction.d_phi, 1.0, pulled);
       norms(k) = std::max(norms(k), pulled.norm());
     }
   }
-  if (kept.iterated) {
+  if (iterated) {
     total.outcome = std::max(total.outcome, Outcome::NotConverged);
     total.message = "the interface Jacobian has not converged in " + std::to_string(most) +
                     " solves. Choose fem.formulation corotational_consistent, or shorten "
@@ -433,9 +473,60 @@ SolveReport StepTangent::solve(const Step& step, const std::vector<Eigen::Index>
   return total;
 }
 
+/// Corrects the velocities of the free nodes, and what follows from them.
+void StepTangent::take(const Step& step, const Eigen::VectorXd& column,
+                       Direction& direction) const {
+  scatter_add(column, model_.free, direction.dv);
+  scatter_add(Eigen::VectorXd(step.kept.map.c_x * column), model_.free, direction.dd);
+  scatter_add(Eigen::VectorXd(step.kept.map.c_a * column), model_.free, direction.da);
+  if (step.loose != nullptr) attach(step, direction);
+}
+
+/// Through the correction of the step's first solution: S δ = −r(x_1) with the first matrix, so
+/// that
+///   S dδ = −dr(x_1) − dS δ.
+SolveReport StepTangent::correct_once(const Step& step, const std::vector<Eigen::Index>& moving) {
+  const Linearisation& first = step.kept;
+  const Linearisation& again = step.last();
+  const TransientStep::Result& result = step.result;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(step.begin.x.size());
+  const auto count = static_cast<Eigen::Index>(moving.size());
+  Eigen::MatrixXd delta(3 * static_cast<Eigen::Index>(model_.free.size()), count);
+  // K(x̃) acts on what the correction moves and on all that is damped: in the residual at x_1 and in
+  // S δ together as much as in the reaction afterwards.
+  Eigen::VectorXd y = result.d;
+  if (result.damped.size() > 0) y += model_.params.damping.beta_s * result.damped;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Direction& direction =
+        directions_[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])];
+    Eigen::VectorXd dx = direction.dd;
+    direction.dd_first = direction.dd;
+    direction.turning.resize(0);
+    if (direction.started()) {
+      const Eigen::VectorXd& dx_tilde = direction.map.x_tilde;
+      dx += dx_tilde;
+      direction.turning = step_.turning(first, first.map.x_tilde, y, dx_tilde) -
+                          step_.turning(first, first.map.x_tilde, none, dx_tilde);
+    }
+    const Eigen::VectorXd of_force = model_.formulation->derivative(again.map.x_tilde, none, dx);
+    direction.turning =
+        direction.turning.size() > 0 ? Eigen::VectorXd(direction.turning + of_force) : of_force;
+    delta.col(k) = -gather(residual(step, direction, {}), model_.free);
+  }
+  const Eigen::VectorXd norms = delta.colwise().norm();
+  const SolveReport report = first.solver->solve(delta, norms);
+  if (report.outcome == Outcome::Failed) return report;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    take(step, delta.col(k),
+         directions_[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])]);
+  }
+  return report;
+}
+
 /// Adds what the ports' forces do to the derivatives so far.
 void StepTangent::attach(const Step& step, Direction& direction) const {
-  const Linearisation& kept = step.kept;
+  const Linearisation& kept =
+      step.last().kind == Linearisation::Kind::Iterated ? step.last() : step.kept;
   Eigen::VectorXd dx = direction.dd;
   if (direction.started()) dx += direction.map.x_tilde;
   const Eigen::VectorXd correction =
@@ -447,27 +538,24 @@ void StepTangent::attach(const Step& step, Direction& direction) const {
   scatter_add(Eigen::VectorXd(kept.map.c_a * column), model_.free, direction.da);
 }
 
-SolveReport StepTangent::advance(const State& begin, const Motions& end, const Torques& torques,
+SolveReport StepTangent::advance(const State& begin, const Motions& end, const MotionSet& about,
                                  const TransientStep::Result& result, const Linearisation& kept) {
-  const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
-  Step step{begin, end, torques, result, kept, nullptr};
-  if (loose_.empty() && micro_steps_ == 1 && condenses(model_, kept)) {
-    const SolveReport report =
-        condense(model_, arms_, end.value, torques.value, kept, jacobian_);
-    if (report.outcome == Outcome::Failed) return report;
-    for (Eigen::Index c = 0; c < columns; ++c) add_arms(step, c);
-    return report;
+  Step step{begin, end, about, result, kept, nullptr};
+  const Linearisation& last = kept.last();
+  if (loose_.empty() && micro_steps_ == 1 && condenses(model_, last)) {
+    return condense(model_, arms_, end.value, result.torques, kept, jacobian_);
   }
+  const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
   directions_.resize(static_cast<std::size_t>(columns));
   jacobian_.setZero(columns / 2, columns);
   std::optional<LooseTangent> solution;
   if (!loose_.empty()) {
     solution.emplace(loose_, LooseTangent::Solution{.end = result.seen,
-                                                    .x = kept.map.x_tilde + result.d,
+                                                    .x = last.map.x_tilde + result.d,
                                                     .v = result.y,
                                                     .phi = result.state.attached,
-                                                    .Y = kept.port_response,
-                                                    .c_x = kept.map.c_x});
+                                                    .Y = last.port_response,
+                                                    .c_x = last.map.c_x});
     step.loose = &*solution;
   }
   std::vector<Eigen::Index> moving;
@@ -478,6 +566,15 @@ SolveReport StepTangent::advance(const State& begin, const Motions& end, const T
   }
   SolveReport report;
   if (!moving.empty()) report = solve(step, moving);
+  if (report.outcome != Outcome::Failed && !moving.empty() &&
+      last.kind == Linearisation::Kind::Corrected) {
+    const SolveReport corrected = correct_once(step, moving);
+    report.iterations += corrected.iterations;
+    if (corrected.outcome > report.outcome) {
+      report.outcome = corrected.outcome;
+      report.message = corrected.message;
+    }
+  }
   if (report.outcome == Outcome::Failed) return report;
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];

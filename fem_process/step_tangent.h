@@ -36,6 +36,7 @@ class StepTangent {
   /// At the start of a macro step the state does not depend on its input. References are kept.
   StepTangent(const Model& model, const TransientStep& step, std::int64_t micro_steps)
       : model_(model),
+        step_(step),
         arms_(step.arms()),
         loose_(step.loose_ports()),
         carry_(step.carry()),
@@ -46,14 +47,9 @@ class StepTangent {
     MotionSet value;
     MotionDerivative derivative;
   };
-  /// Arms of the torques, and the derivatives of the ports' pose among them.
-  struct Torques {
-    TorqueArms value;
-    MotionDerivative derivative;
-  };
   /// Carries the derivatives through the micro step from `begin` that `result` and `kept`
-  /// came from.
-  SolveReport advance(const State& begin, const Motions& end, const Torques& torques,
+  /// came from; `about` as in TransientStep::advance.
+  SolveReport advance(const State& begin, const Motions& end, const MotionSet& about,
                       const TransientStep::Result& result, const Linearisation& kept);
 
   /// 6P × 12P, of the wrenches after the last micro step.
@@ -64,28 +60,34 @@ class StepTangent {
   struct Step {
     const State& begin;
     const Motions& end;
-    const Torques& torques;
+    const MotionSet& about;
     const TransientStep::Result& result;
-    const Linearisation& kept;
+    const Linearisation& kept;  ///< the step's first
     const LooseTangent* loose = nullptr;
+    [[nodiscard]] const Linearisation& last() const { return kept.last(); }
   };
   /// What changes with one coordinate of one port's end motion.
   struct Direction {
-    State begin;  ///< derivative of the state before the micro step; empty: zero
-    Eigen::VectorXd port_begin;  ///< of the ports' motions there, 12 per port as in difference()
-    Eigen::VectorXd port_end;    ///< of those at the end of the micro step
-    double amount = 1e-3;        ///< of the central differences of kinematics
-    StepMap map;                 ///< derivative of the step's affine maps
-    Eigen::VectorXd dx;          ///< prescribed nodes: of x⁺
-    Eigen::VectorXd dv;          ///< of what is solved for
-    Eigen::VectorXd dd;          ///< of x⁺ − x̃
-    Eigen::VectorXd da;          ///< of a⁺
-    Eigen::VectorXd d_reference; ///< of the velocities that damping refers to; empty: undamped
-    Eigen::VectorXd d_seen;      ///< of the port motions as the balance has them, 12 per port
-    LoosePorts::Rates d_rates;   ///< of ρ and its rates, see LoosePorts
-    Eigen::VectorXd d_phi;       ///< of the forces of averaging ports and bushings
-    Eigen::VectorXd turning;     ///< of T f_int(x̃) + K(x̃) y at fixed y = β w + d
-    bool moves = false;          ///< false: nothing changes in the balance of forces
+    State begin;                  ///< derivative of the state before the micro step; empty: zero
+    Eigen::VectorXd port_begin;   ///< of the ports' motions there, 12 per port as in difference()
+    Eigen::VectorXd port_end;     ///< of those at the end of the micro step
+    double amount = 1e-4;         ///< of the central differences of kinematics
+    StepMap map;                  ///< derivative of the step's affine maps
+    Eigen::VectorXd dx;           ///< prescribed nodes: of x⁺
+    Eigen::VectorXd dv;           ///< of what is solved for
+    Eigen::VectorXd dd;           ///< of x⁺ − x̃
+    Eigen::VectorXd da;           ///< of a⁺
+    Eigen::VectorXd d_reference;  ///< of the velocities that damping refers to; empty: undamped
+    Eigen::VectorXd d_shift;      ///< of Carry::prescribed_shift; empty: undamped
+    Eigen::VectorXd d_drag;       ///< of Carried::drag; empty: zero
+    Eigen::VectorXd d_seen;       ///< of the port motions as the balance has them, 12 per port
+    LoosePorts::Rates d_rates;    ///< of ρ and its rates, see LoosePorts
+    Eigen::VectorXd d_phi;        ///< of the forces of averaging ports and bushings
+    Eigen::VectorXd turning;      ///< of T f_int(x̃) + K(x̃) y at fixed y = β w + d
+    Eigen::VectorXd dd_first;     ///< dd where the forces of a correction stand; empty: zero
+    Eigen::VectorXd d_origin;     ///< of where the torques' arms begin, 3 per port (m)
+    Eigen::VectorXd d_arms_turn;  ///< of the pose that they turn with, 3 per port (rad)
+    bool moves = false;           ///< false: nothing changes in the balance of forces
     [[nodiscard]] bool started() const { return begin.x.size() > 0; }
   };
   /// The kinematics of the step with begin and end changed along a direction, `amount` times.
@@ -96,8 +98,7 @@ class StepTangent {
   };
   [[nodiscard]] Nudged nudge(const Step& step, const Direction& direction, double amount) const;
   void see(const Step& step, Direction& direction) const;
-  void see_loose(const Step& step, const Nudged& below, const Nudged& above,
-                 Direction& direction) const;
+  void see_loose(const Nudged& below, const Nudged& above, Direction& direction) const;
   void turn_forces(const Step& step, const Nudged& below, const Nudged& above,
                    Direction& direction) const;
   void prescribe(const Step& step, Eigen::Index column, Direction& direction) const;
@@ -105,12 +106,15 @@ class StepTangent {
   [[nodiscard]] Eigen::VectorXd residual(const Step& step, const Direction& direction,
                                          ProductPart part) const;
   SolveReport solve(const Step& step, const std::vector<Eigen::Index>& moving);
+  SolveReport correct_once(const Step& step, const std::vector<Eigen::Index>& moving);
+  void take(const Step& step, const Eigen::VectorXd& column, Direction& direction) const;
   void attach(const Step& step, Direction& direction) const;
   void answer(const Step& step, Eigen::Index column, const Direction& direction);
-  void add_arms(const Step& step, Eigen::Index column);
+  void add_arms(const Step& step, const Direction& direction, WrenchSet& d_wrenches) const;
   void conclude(const Step& step, Direction& direction) const;
 
   const Model& model_;
+  const TransientStep& step_;
   const PortArms& arms_;
   const LoosePorts& loose_;
   const Carry& carry_;

@@ -15,6 +15,7 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   prescribe(motions, state.x, state.v);
   loose_.set_velocities(motions, state.v);
   state.port_motions = motions;
+  state.port_rates.a_mean.setZero(3 * static_cast<Eigen::Index>(motions.size()));
   if (!model_.integrator->inertia()) return settle(motions, state, wrenches);
   if (remembers()) {
     state.past.setZero(8, 3 * static_cast<Eigen::Index>(model_.free.size()));
@@ -48,8 +49,7 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   state.rigid = loose_.rigid_start(motions);
   state.a_mean = state.a = state.acceleration = std::move(a);
   // Ports at constant twist: their origins are not accelerated.
-  state.port_rates.a.setZero(3 * static_cast<Eigen::Index>(motions.size()));
-  state.port_rates.acceleration = state.port_rates.a_mean = state.port_rates.a;
+  state.port_rates.a = state.port_rates.acceleration = state.port_rates.a_mean;
   return report;
 }
 
@@ -64,7 +64,7 @@ SolveReport TransientStep::accelerate(State& state, Eigen::VectorXd& a,
   const Eigen::VectorXd beyond =
       is_damped() ? Eigen::VectorXd(state.v - carry_->reference_at(state, state.port_motions))
                   : Eigen::VectorXd::Zero(state.v.size());
-  const Eigen::VectorXd force = f_int + damping_force(K, beyond) -
+  const Eigen::VectorXd force = f_int + damping_force(K, state.v, beyond) -
                                 model_.external_forces(to_seconds(state.time)) -
                                 commanded_forces(state);
   Eigen::MatrixXd rhs(3 * static_cast<Eigen::Index>(model_.free.size()), 1 + loose_.size());
@@ -103,6 +103,7 @@ SolveReport TransientStep::restart(State& state) const {
     remember(state.v, state);
   }
   if (!model_.integrator->keeps_history()) return {};
+  state.relative_velocity.resize(0);  // it may be another holder's
   Eigen::VectorXd a = state.acceleration;
   const Eigen::VectorXd kept = a;
   for (int node : model_.free) a.segment<3>(3 * node).setZero();
@@ -130,7 +131,7 @@ SolveReport TransientStep::settle(const MotionSet& motions, State& state,
   before.support = Eigen::VectorXd::Zero(state.x.size());
   before.port_wrenches.resize(motions.size());
   Linearisation kept;
-  Result result = advance(before, motions, arms_at(motions), h, kept);
+  Result result = advance(before, motions, motions, h, kept);
   if (result.report.outcome == Outcome::Failed) return result.report;
   result.state.book = {};
   state.x = result.state.x;

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "fem_process/make_formulation.h"
 #include "fem_process/nearby_solver.h"
 #include "fem_process/node_vectors.h"
 #include "fem_process/round_off.h"
 #include "fem_process/step_energy.h"
 #include "fem_process/step_matrix.h"
+#include "fem_process/turn.h"
 #include "fem_process/velocity_projection.h"
 #include "protocol/contract/cost.h"
 
@@ -31,7 +33,12 @@ TransientStep::TransientStep(const Model& model, PortArms arms)
       loose_(model, arms),
       carry_(make_carry(model, loose_)),
       node_rotations_(model.mesh, model.pattern(), model.free),
-      rest_(factorize_at_rest()) {}
+      rest_(factorize_at_rest()) {
+  const FormulationKind kind = model.params.formulation;
+  if (kind == FormulationKind::ConsistentCorotational || kind == FormulationKind::TotalLagrangian) {
+    definite_ = make_formulation(FormulationKind::Corotational, model.mesh, model.materials);
+  }
+}
 
 std::unique_ptr<const RestFactor> TransientStep::factorize_at_rest() const {
   const SolverParams& solver = model_.params.solver;
@@ -76,10 +83,11 @@ void TransientStep::remember(const Eigen::VectorXd& v, State& state) const {
   state.past_next = (state.past_next + 1) % 8;
 }
 
-Eigen::VectorXd TransientStep::damping_force(const BlockValues& K, const Eigen::VectorXd& v) const {
+Eigen::VectorXd TransientStep::damping_force(const BlockValues& K, const Eigen::VectorXd& v,
+                                             const Eigen::VectorXd& beyond) const {
   const Damping& damping = model_.params.damping;
   return damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, v) +
-         multiply(model_.pattern(), K, damping.beta_s * v);
+         multiply(model_.pattern(), K, damping.beta_s * beyond);
 }
 
 void TransientStep::prescribe(const MotionSet& motions, Eigen::VectorXd& x,
@@ -133,7 +141,8 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
   kept.h_s = h_s;
   kept.carried = carry_->begin(begin, h_s);
   kept.map = kept.carried.map;
-  StepTimes times = linearise_at_tilde(kept);
+  kept.has_correction = false;
+  StepTimes times = linearise_at_tilde(kept.carried, kept);
   if (remembers()) {
     const double start_s = now_s();
     multiply_eight(model_.interior.pattern, kept.S, begin.past, kept.S_past, *model_.team);
@@ -143,12 +152,28 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
 }
 
 /// f_int, K and the factorised step matrix at x̃ of the map.
-StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
+StepTimes TransientStep::linearise_at_tilde(const Carried& carried, Linearisation& kept) const {
   const double start_s = now_s();
+  kept.stands_in = false;
   kept.inverted_elements = model_.formulation->evaluate(kept.map.x_tilde, kept.f_int, kept.K);
   kept.f_mean = kept.f_int;
-  carry_->take_mean(kept.carried, kept.f_mean);
+  carry_->take_mean(carried, kept.f_mean);
   const double middle_s = now_s();
+  factorize(kept);
+  if (kept.factorisation.outcome == Outcome::Failed && definite_) stand_in(kept);
+  return {.elements_s = middle_s - start_s, .factorize_s = now_s() - middle_s};
+}
+
+/// The paper's simplified tangent, which is always positive semidefinite, in place of the exact
+/// one.
+void TransientStep::stand_in(Linearisation& kept) const {
+  Eigen::VectorXd f_int;
+  definite_->evaluate(kept.map.x_tilde, f_int, kept.K);
+  kept.stands_in = true;
+  factorize(kept);
+}
+
+void TransientStep::factorize(Linearisation& kept) const {
   step_matrix(kept.map, kept.K, kept.S);
   if (kept.neighbour != nullptr) {
     lean_on_neighbour(kept);
@@ -166,7 +191,14 @@ StepTimes TransientStep::linearise_at_tilde(Linearisation& kept) const {
   if (!loose_.empty() && kept.factorisation.outcome == Outcome::Done) {
     kept.factorisation = find_port_columns(kept);
   }
-  return {.elements_s = middle_s - start_s, .factorize_s = now_s() - middle_s};
+}
+
+Eigen::VectorXd TransientStep::turning(const Linearisation& at, const Eigen::VectorXd& x,
+                                       const Eigen::VectorXd& y, const Eigen::VectorXd& dx) const {
+  if (!at.stands_in) return model_.formulation->derivative(x, y, dx);
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(y.size());
+  return model_.formulation->derivative(x, none, dx) + definite_->derivative(x, y, dx) -
+         definite_->derivative(x, none, dx);
 }
 
 /// The nodes' rotations at the neighbour are found when first needed.
@@ -188,6 +220,13 @@ SolveReport TransientStep::find_port_columns(Linearisation& kept) const {
   return report;
 }
 
+/// Whether the step's first solution is corrected: where K is not the derivative of f_int and the
+/// method damps little.
+bool TransientStep::corrects(const Linearisation& kept) const {
+  return model_.integrator->keeps_history() &&
+         (kept.stands_in || model_.params.formulation == FormulationKind::Corotational);
+}
+
 bool TransientStep::is_damped() const {
   const Damping& damping = model_.params.damping;
   return damping.alpha_per_s > 0.0 || damping.beta_s > 0.0;
@@ -196,12 +235,16 @@ bool TransientStep::is_damped() const {
 /// Velocities beyond the rigid motion with what holds the body; empty without damping.
 Eigen::VectorXd TransientStep::damped(const Input& input, const Eigen::VectorXd& v) const {
   if (input.reference.size() == 0) return {};
-  Eigen::VectorXd beyond = v - input.reference;
-  // Where the balance has end velocities, those of prescribed nodes are in W; they go with a holder.
+  return v + input.shift - input.reference;
+}
+
+/// Velocities in W. Prescribed nodes have them already where the balance is that of the end.
+Eigen::VectorXd TransientStep::dragged(const Input& input, const Eigen::VectorXd& v) const {
+  Eigen::VectorXd rate = v + input.carried.drag;
   if (model_.integrator->keeps_history()) {
-    for (int node : model_.prescribed) beyond.segment<3>(3 * node).setZero();
+    for (int node : model_.prescribed) rate.segment<3>(3 * node) = v.segment<3>(3 * node);
   }
-  return beyond;
+  return rate;
 }
 
 Eigen::VectorXd TransientStep::balance(const Linearisation& kept, const Input& input,
@@ -212,9 +255,12 @@ Eigen::VectorXd TransientStep::balance(const Linearisation& kept, const Input& i
   const Eigen::VectorXd rate = damped(input, v);
   Eigen::VectorXd strained = d;
   if (damping.beta_s > 0.0) strained += damping.beta_s * rate;
-  Eigen::VectorXd residual = kept.f_mean - input.f_ext + inertia(a, part) +
-                             multiply(model_.pattern(), kept.K, strained, part, model_.team.get());
-  if (damping.alpha_per_s > 0.0) residual += damping.alpha_per_s * inertia(rate, part);
+  Eigen::VectorXd residual =
+      kept.f_mean - input.f_ext + inertia(a, part) +
+      multiply(model_.pattern(), kept.stiffness(), strained, part, model_.team.get());
+  if (damping.alpha_per_s > 0.0) {
+    residual += damping.alpha_per_s * inertia(dragged(input, v), part);
+  }
   if (!loose_.empty()) loose_.add_forces(attached, -1.0, residual);
   return residual;
 }
@@ -288,6 +334,58 @@ SolveReport TransientStep::attach(const Input& input, const Linearisation& kept,
   return report;
 }
 
+/// The simplified tangent leaves out what tension stiffens. Left to the next step's forces, that
+/// feeds weakly damped methods, the more the larger its part of K. Forces anew where the step has
+/// led to, and one more solution with the matrix that is there, bound it: with K_s in the matrix,
+/// K_s + K_g in the forces, the second solution's amplification stays at or below one for any K_g >
+/// 0, whatever the step (also with the average acceleration, which damps nothing).
+void TransientStep::correct_once(const Input& input, Linearisation& kept, Eigen::VectorXd& v,
+                                 Eigen::VectorXd& a, Result& result) const {
+  if (!kept.corrected) kept.corrected = std::make_unique<Linearisation>();
+  Linearisation& again = *kept.corrected;
+  again.kind = Linearisation::Kind::Corrected;
+  again.first = &kept;
+  again.h_s = kept.h_s;
+  again.map = kept.map;
+  again.map.x_tilde = kept.map.x_tilde + result.d;
+  again.map.d_hat -= result.d;
+  again.inverted_elements = model_.formulation->evaluate(again.map.x_tilde, again.f_int, again.K);
+  again.f_mean = again.f_int;
+  carry_->take_mean(input.carried, again.f_mean);
+  again.port_columns = kept.port_columns;
+  again.port_response = kept.port_response;
+  kept.has_correction = true;
+  result.first_damped = damped(input, v);
+  result.d.setZero();
+
+  Eigen::MatrixXd delta =
+      -gather(balance(again, input, result.state.attached, v, result.d, a), model_.free);
+  const double scale = multiply_interior(kept.S, gather(v, model_.free)).norm();
+  const double start_s = now_s();
+  const SolveReport report =
+      kept.solver->solve(delta, Eigen::VectorXd::Constant(1, std::max(scale, delta.norm())));
+  result.times.solve_s += now_s() - start_s;
+  result.report.iterations += report.iterations;
+  if (report.outcome != Outcome::Done) {
+    result.report.outcome = report.outcome;
+    result.report.message = report.message;
+  }
+  if (report.outcome == Outcome::Failed) return;
+  result.correction = delta.col(0);
+  scatter_add(delta.col(0), model_.free, v);
+  scatter_add(again.map.c_x * delta.col(0), model_.free, result.d);
+  scatter_add(again.map.c_a * delta.col(0), model_.free, a);
+  if (!loose_.empty()) {
+    const Eigen::VectorXd before = gather(v, model_.free);
+    const SolveReport closed = attach(input, again, v, a, result);
+    if (closed.outcome == Outcome::Failed) result.report = closed;
+    result.correction += gather(v, model_.free) - before;
+  }
+  const ProductPart part{.rows = &model_.prescribed};
+  result.react = balance(again, input, result.state.attached, v, result.d, a, part);
+  for (int node : model_.free) result.react.segment<3>(3 * node).setZero();
+}
+
 /// Newton's iteration on the balance of forces at the end of the step. Every iterate becomes the
 /// linearisation point x̃; d̂ makes up for it, so that x̃ + d̂ stays.
 void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::VectorXd& v,
@@ -297,8 +395,9 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
   if (!kept.corrected) kept.corrected = std::make_unique<Linearisation>();
   Linearisation& again = *kept.corrected;
   again.h_s = kept.h_s;
-  again.iterated = true;
-  again.carried = kept.carried;
+  again.kind = Linearisation::Kind::Iterated;
+  again.first = nullptr;
+  kept.has_correction = true;
   SolveReport total = result.report;
   double residual = 0.0;
   double limit = 0.0;
@@ -307,7 +406,7 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
     map.d_hat += map.x_tilde - x;
     map.x_tilde = x;
     again.map = map;
-    linearise_at_tilde(again);
+    linearise_at_tilde(input.carried, again);
     result.report = again.factorisation;
     if (again.factorisation.outcome == Outcome::Failed) return;
     result.d.setZero();
@@ -335,18 +434,46 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
 }
 
 /// Wrenches and energies of the ports at the end of the step, the nodes at x̃ + d.
-void TransientStep::pull(const TorqueArms& torques, const Eigen::VectorXd& x_seen,
-                         Result& result) const {
-  result.wrenches = port_wrenches(model_, arms_, torques, result.react);
+void TransientStep::pull(const Eigen::VectorXd& x_seen, Result& result) const {
+  result.wrenches = port_wrenches(model_, arms_, result.torques, result.react);
   if (loose_.empty()) return;
   result.q = loose_.coordinates(x_seen);
-  loose_.add_wrenches(loose_.origins(result.seen, torques), result.q, result.state.attached,
+  loose_.add_wrenches(loose_.origins(result.seen, result.torques), result.q, result.state.attached,
                       result.wrenches);
   result.state.bushing_J = loose_.energy_J(result.seen, result.q);
 }
 
+TorqueArms TransientStep::torque_arms(const State& begin, const MotionSet& end,
+                                      const MotionSet& about, double h_s) const {
+  if (!model_.integrator->constant_forces()) return arms_at(end);
+  TorqueArms arms{.pose = begin.port_motions, .about = {}};
+  for (std::size_t p = 0; p < end.size(); ++p) {
+    Motion& pose = arms.pose[p];
+    const Eigen::Vector3d rate =
+        begin.port_rates.a_mean.segment<3>(3 * static_cast<Eigen::Index>(p));
+    pose.p_WP += 0.5 * h_s * pose.v_WP +
+                 displacement_of(acceleration_after(rate, pose.w_WP, h_s), pose.w_WP, 0.5 * h_s);
+    pose.q_WP = Eigen::Quaterniond(turned_by(0.5 * h_s * pose.w_WP)) * pose.q_WP;
+    arms.about.push_back(about[p].p_WP);
+  }
+  return arms;
+}
+
 TransientStep::Result TransientStep::advance(const State& begin, const MotionSet& end,
-                                             const TorqueArms& torques, SimTime h,
+                                             const MotionSet& about, SimTime h,
+                                             Linearisation& kept) const {
+  Result result = attempt(begin, end, about, h, kept);
+  if (result.report.outcome != Outcome::Failed || !definite_ || kept.stands_in) return result;
+  // Conjugate gradients find an indefinite matrix on their way.
+  stand_in(kept);
+  result = attempt(begin, end, about, h, kept);
+  // Whether they do depends on the input: another one begins with the exact matrix again.
+  kept.generation = 0;
+  return result;
+}
+
+TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet& end,
+                                             const MotionSet& about, SimTime h,
                                              Linearisation& kept) const {
   Result result;
   result.times = linearise(begin, to_seconds(h), kept);
@@ -373,6 +500,7 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
   result.seen = carry_->seen(kept.carried, end);
+  result.torques = torque_arms(begin, end, about, kept.h_s);
   if (model_.integrator->keeps_history()) {
     result.rates = loose_.prescribe(map, kept.carried.rigid, d_hat, {end, result.seen}, d, a);
   }
@@ -381,16 +509,22 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   const Eigen::VectorXd f_ext = model_.external_forces(to_seconds(time)) + commanded;
   const Eigen::VectorXd reference =
       is_damped() ? carry_->reference(begin, kept.carried, end, f_ext) : Eigen::VectorXd{};
-  const Input input{begin, end, result.seen, f_ext, reference};
+  const Eigen::VectorXd shift =
+      is_damped() ? carry_->prescribed_shift(kept.carried, end, x, v) : Eigen::VectorXd{};
+  const Input input{begin, end, result.seen, f_ext, reference, kept.carried, shift};
+  kept.has_correction = false;
   solve(input, kept, v, a, result);
   if (result.report.outcome != Outcome::Failed && model_.params.integrator.newton_steps > 0) {
     correct(input, kept, v, a, result);
+  } else if (result.report.outcome != Outcome::Failed && corrects(kept)) {
+    correct_once(input, kept, v, a, result);
   }
   if (result.report.outcome == Outcome::Failed) return result;
   const Eigen::VectorXd x_seen = kept.last().map.x_tilde + d;
   for (int node : model_.free) x.segment<3>(3 * node) = x_seen.segment<3>(3 * node);
-  pull(torques, x_seen, result);
+  pull(x_seen, result);
   result.damped = damped(input, v);
+  if (is_damped()) result.dragged = dragged(input, v);
   if (remembers()) {
     result.state.past = begin.past;
     result.state.past_next = begin.past_next;
@@ -408,6 +542,7 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
   loose_.add_forces(result.state.attached, 1.0, on_nodes);
   book_step(model_, begin,
             {.kept = kept.last(),
+             .carried = kept.carried,
              .loose = loose_,
              .carry = *carry_,
              .f_begin = kept.f_int,
@@ -415,6 +550,7 @@ TransientStep::Result TransientStep::advance(const State& begin, const MotionSet
              .react = on_nodes,
              .commanded = commanded,
              .damped = result.damped,
+             .dragged = result.dragged,
              .motions = end,
              .wrenches = result.wrenches},
             result.state);

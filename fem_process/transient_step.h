@@ -29,11 +29,11 @@ struct StepTimes {
 struct Linearisation {
   std::uint64_t generation = 0;  ///< of the state; 0 = none
   double h_s = 0.0;
-  Carried carried;        ///< the state as it turns with the body
+  Carried carried;  ///< the state as it turns with the body; of the step's first alone
   StepMap map;
-  Eigen::VectorXd f_int;  ///< at x̃ (N)
-  Eigen::VectorXd f_mean; ///< its mean over the step's turn, which enters the balance (N)
-  BlockValues K;                ///< at x̃ (N/m)
+  Eigen::VectorXd f_int;   ///< at x̃ (N)
+  Eigen::VectorXd f_mean;  ///< its mean over the step's turn, which enters the balance (N)
+  BlockValues K;           ///< at x̃ (N/m)
   int inverted_elements = 0;
   std::unique_ptr<LinearSolver> solver;  ///< of the interior step matrix
   BlockValues S;                         ///< interior step matrix (kg/s)
@@ -43,11 +43,19 @@ struct Linearisation {
   Eigen::MatrixXd port_response;  ///< Y = Nᵀ Z
   /// The macro step's first, whose factor serves this one too: see NearbySolver. Null: an own one.
   Linearisation* neighbour = nullptr;
-  EightVectors S_past;    ///< S times the last velocities, when the initial guess is made of them
-  bool iterated = false;  ///< made at an iterate of Newton's, x̃ + d is an equilibrium
-  /// With Newton steps: the same at the step's last iterate.
+  EightVectors S_past;  ///< S times the last velocities, when the initial guess is made of them
+  /// A correction's: the step's first, whose stiffness and factor serve it. Null: its own do.
+  const Linearisation* first = nullptr;
+  [[nodiscard]] const BlockValues& stiffness() const { return first != nullptr ? first->K : K; }
+  bool stands_in = false;  ///< K is Σ R K_e Rᵀ, since the exact one has no definite step matrix
+  /// How x̃ came about: made from the state, or from the step's first solution for one correction
+  /// with the first one's matrix, or at an iterate of Newton's, where x̃ + d is an equilibrium.
+  enum class Kind { Predicted, Corrected, Iterated };
+  Kind kind = Kind::Predicted;
+  /// With a correction or Newton steps: the same at the step's last iterate.
   std::unique_ptr<Linearisation> corrected;
-  [[nodiscard]] const Linearisation& last() const { return corrected ? *corrected : *this; }
+  bool has_correction = false;  ///< `corrected` belongs to the step that was made last
+  [[nodiscard]] const Linearisation& last() const { return has_correction ? *corrected : *this; }
 };
 
 /// Wrenches of nodal reactions: f_P_W = −Σ g_i, t_P_W = −Σ (p_WP + R_WP r_i − about) × g_i with the
@@ -92,15 +100,31 @@ class TransientStep {
     Eigen::VectorXd react;  ///< nodal reactions at the end (N)
     Eigen::VectorXd q;      ///< of LoosePorts, as the balance has them
     MotionSet seen;         ///< port motions as the balance has them, see Carry
-    Eigen::VectorXd y;      ///< velocities solved for (m/s)
-    Eigen::VectorXd a;      ///< accelerations of the balance (m/s²)
-    Eigen::VectorXd damped; ///< velocities that C damps (m/s); empty without damping
+    TorqueArms torques;
+    Eigen::VectorXd first_damped;  ///< `damped` before a correction
+    Eigen::VectorXd dragged;       ///< velocities in W that α M damps; empty without damping
+    Eigen::VectorXd correction;    ///< of the velocities of the free nodes by it (m/s)
+    Eigen::VectorXd y;             ///< velocities solved for (m/s)
+    Eigen::VectorXd a;             ///< accelerations of the balance (m/s²)
+    Eigen::VectorXd damped;        ///< velocities that β K damps (m/s); empty without damping
     LoosePorts::Rates rates;
   };
-  /// One step of length h to the motions at its end, torques with these arms. `kept` is filled unless
-  /// it belongs to this state and h already; equal bits either way.
-  Result advance(const State& begin, const MotionSet& end, const TorqueArms& torques, SimTime h,
+  /// One step of length h to the motions at its end. `about`: the ports' origins at the beginning
+  /// of the macro step, per port. `kept` is filled unless it belongs to this state and h already;
+  /// equal bits either way.
+  Result advance(const State& begin, const MotionSet& end, const MotionSet& about, SimTime h,
                  Linearisation& kept) const;
+
+  /// Where the forces of such a step have their arms. With backward Euler in the middle of the step
+  /// as its beginning foretells it: ports turn at the rate that they have, their accelerations with
+  /// them. So the wrench stays affine in the motions at the end of the step; steady turning is
+  /// exact.
+  [[nodiscard]] TorqueArms torque_arms(const State& begin, const MotionSet& end,
+                                       const MotionSet& about, double h_s) const;
+
+  /// d(T f_int(x̃) + K(x̃) y) along dx̃, y held, of what K is in this linearisation.
+  [[nodiscard]] Eigen::VectorXd turning(const Linearisation& at, const Eigen::VectorXd& x,
+                                        const Eigen::VectorXd& y, const Eigen::VectorXd& dx) const;
 
   /// Of rigid ports; the others have none.
   [[nodiscard]] const PortArms& arms() const { return arms_; }
@@ -115,19 +139,28 @@ class TransientStep {
     const MotionSet& seen;             ///< `end` as the balance has it
     const Eigen::VectorXd& f_ext;      ///< at the end (N)
     const Eigen::VectorXd& reference;  ///< of Carry; empty without damping
+    const Carried& carried;
+    const Eigen::VectorXd& shift;  ///< of Carry::prescribed_shift; empty without damping
   };
   SolveReport accelerate(State& state, Eigen::VectorXd& a, Eigen::VectorXd& react) const;
   [[nodiscard]] Eigen::VectorXd commanded_forces(const State& state) const;
   SolveReport settle(const MotionSet& motions, State& state, WrenchSet& wrenches) const;
   /// Returns the times of what it did.
   StepTimes linearise(const State& begin, double h_s, Linearisation& kept) const;
-  StepTimes linearise_at_tilde(Linearisation& kept) const;
+  StepTimes linearise_at_tilde(const Carried& carried, Linearisation& kept) const;
+  void factorize(Linearisation& kept) const;
+  void stand_in(Linearisation& kept) const;
+  Result attempt(const State& begin, const MotionSet& end, const MotionSet& about, SimTime h,
+                 Linearisation& kept) const;
+  void correct_once(const Input& input, Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
+                    Result& result) const;
   void lean_on_neighbour(Linearisation& kept) const;
   SolveReport find_port_columns(Linearisation& kept) const;
   void correct(const Input& input, Linearisation& kept, Eigen::VectorXd& v, Eigen::VectorXd& a,
                Result& result) const;
   void prescribe(const MotionSet& motions, Eigen::VectorXd& x, Eigen::VectorXd& v) const;
   [[nodiscard]] Eigen::VectorXd damped(const Input& input, const Eigen::VectorXd& v) const;
+  [[nodiscard]] Eigen::VectorXd dragged(const Input& input, const Eigen::VectorXd& v) const;
   /// M a + C (v − v_ref) + f_int − f_ext (N).
   [[nodiscard]] Eigen::VectorXd balance(const Linearisation& kept, const Input& input,
                                         const Eigen::VectorXd& attached, const Eigen::VectorXd& v,
@@ -140,9 +173,11 @@ class TransientStep {
   /// Adds what the forces of averaging ports and bushings do.
   SolveReport attach(const Input& input, const Linearisation& kept, Eigen::VectorXd& v,
                      Eigen::VectorXd& a, Result& result) const;
-  void pull(const TorqueArms& torques, const Eigen::VectorXd& x_seen, Result& result) const;
-  [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v) const;
+  void pull(const Eigen::VectorXd& x_seen, Result& result) const;
+  [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v,
+                                              const Eigen::VectorXd& beyond) const;
   [[nodiscard]] bool is_damped() const;
+  [[nodiscard]] bool corrects(const Linearisation& kept) const;
 
   void step_matrix(const StepMap& map, const BlockValues& K, BlockValues& S) const;
   [[nodiscard]] Eigen::VectorXd inertia(const Eigen::VectorXd& a, ProductPart part = {}) const;
@@ -158,6 +193,8 @@ class TransientStep {
   LoosePorts loose_;
   std::unique_ptr<const Carry> carry_;
   NodeRotations node_rotations_;
+  /// Of exact tangents: what stands in for them. Null: not needed.
+  std::unique_ptr<const Formulation> definite_;
   std::unique_ptr<const RestFactor> rest_;  ///< null: not used
 };
 

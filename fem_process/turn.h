@@ -30,4 +30,33 @@ namespace tandem::fem {
   return s * Eigen::Matrix3d::Identity() + (1.0 - s) * n * n.transpose();
 }
 
+/// ∫₀^τ ∫₀^s exp(u [w]×) a du ds: how far an acceleration a that turns at the rate w moves a point
+/// from rest in the time τ (m).
+[[nodiscard]] inline Eigen::Vector3d displacement_of(const Eigen::Vector3d& a,
+                                                     const Eigen::Vector3d& w, double tau_s) {
+  const double rate = w.norm();
+  const double angle = rate * tau_s;
+  if (angle < 1e-4) {  // the next terms are below 1e-17 of the first
+    return tau_s * tau_s *
+           (0.5 * a + tau_s / 6.0 * w.cross(a) +
+            tau_s * tau_s / 24.0 * w.cross(Eigen::Vector3d(w.cross(a))));
+  }
+  const Eigen::Vector3d n = w / rate;
+  const Eigen::Vector3d along = n * n.dot(a);
+  return 0.5 * tau_s * tau_s * along +
+         ((1.0 - std::cos(angle)) * (a - along) + (angle - std::sin(angle)) * n.cross(a)) /
+             (rate * rate);
+}
+
+/// The acceleration at the end of a time h over which it has turned at the rate w with this mean.
+[[nodiscard]] inline Eigen::Vector3d acceleration_after(const Eigen::Vector3d& mean,
+                                                        const Eigen::Vector3d& w, double h_s) {
+  const Eigen::Vector3d half = 0.5 * h_s * w;
+  const double angle = half.norm();
+  if (angle < 1e-8) return mean;
+  const Eigen::Vector3d n = half / angle;
+  const Eigen::Vector3d along = n * n.dot(mean);
+  return along + angle / std::sin(angle) * (turned_by(half) * (mean - along));
+}
+
 }  // namespace tandem::fem

@@ -73,14 +73,19 @@ Eigen::VectorXd acceleration(const Model& model, double t, const Eigen::VectorXd
   Eigen::VectorXd f;
   BlockValues K;
   model.formulation->evaluate(x, f, K);
+  // Stiffness damping acts on the velocities beyond the rigid motion with the port.
+  const Motion m = port_motion(t)[0];
+  Eigen::VectorXd beyond = v;
+  for (Eigen::Index i = 0; i < x.size(); i += 3) {
+    beyond.segment<3>(i) -= m.v_WP + m.w_WP.cross(Eigen::Vector3d(x.segment<3>(i) - m.p_WP));
+  }
   f += model.params.damping.alpha_per_s * multiply_scalar(model.pattern(), model.mass, v);
-  f += model.params.damping.beta_s * multiply(model.pattern(), K, v);
+  f += model.params.damping.beta_s * multiply(model.pattern(), K, beyond);
   f -= model.external_forces(t);
   Eigen::VectorXd a(x.size());
   for (int i = 0; i < model.mesh.nodes(); ++i) {
     a.segment<3>(3 * i) = -f.segment<3>(3 * i) / model.nodal_mass[static_cast<std::size_t>(i)];
   }
-  const Motion m = port_motion(t)[0];
   for (int node : model.ports[0].nodes) {
     const Eigen::Vector3d r = x.segment<3>(3 * node) - m.p_WP;
     a.segment<3>(3 * node) = Eigen::Vector3d(0, 1.2 * t, 0) + m.w_WP.cross(m.w_WP.cross(r));

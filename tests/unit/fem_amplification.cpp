@@ -69,9 +69,6 @@ Eigen::Matrix3d measured(const IntegratorParams& integrator, double Omega) {
   const Modes modes = lowest_modes(model, 1);
   const Eigen::VectorXd phi = modes.shapes.col(0);
   const Eigen::VectorXd M_phi = multiply_scalar(model.pattern(), model.mass, phi);
-  Eigen::VectorXd K_phi;
-  BlockValues K;
-  model.formulation->evaluate(model.reference() + phi, K_phi, K);
   const TransientStep step(model, {});
   Eigen::Matrix3d A;
   for (Eigen::Index k = 0; k < 3; ++k) {
@@ -83,7 +80,6 @@ Eigen::Matrix3d measured(const IntegratorParams& integrator, double Omega) {
     state.v = begin[1] / h * phi;
     if (state.a.size() > 0) state.a = begin[2] / (h * h) * phi;
     if (state.acceleration.size() > 0) state.acceleration = -begin[0] * omega * omega * phi;
-    if (state.force.size() > 0) state.force = begin[0] * K_phi;
     state.generation = static_cast<std::uint64_t>(k) + 1;
     Linearisation kept;
     const TransientStep::Result result = step.advance(state, {}, {}, params.micro_step, kept);

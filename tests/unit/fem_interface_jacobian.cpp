@@ -22,11 +22,13 @@ TEST(FemInterfaceJacobian, MatchesCentralDifferencesWithDamping) {
   EXPECT_LT(jacobian_error(params, 1, 1e-3), 1e-6);
 }
 
+// The second-order methods take their forces anew at the first solution, so the wrench is nonlinear
+// in all of the motion: 1e-4 (m, rad, m/s) leaves a hundredth of what 1e-3 does.
 TEST(FemInterfaceJacobian, MatchesCentralDifferencesForHht) {
   Params params = bar_with_two_ports();
   params.integrator = {.kind = IntegratorKind::Hht, .hht_alpha = -0.1};
   params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
-  EXPECT_LT(jacobian_error(params, 1, 1e-3), 1e-6);
+  EXPECT_LT(jacobian_error(params, 1, 1e-4), 1e-6);
 }
 
 TEST(FemInterfaceJacobian, MatchesCentralDifferencesForSecondOrderTetsOverMicroSteps) {
@@ -45,9 +47,11 @@ TEST(FemInterfaceJacobian, MatchesCentralDifferencesWithPcg) {
 }
 
 // With several micro steps the end motion also acts through the interpolation, the state in between
-// and the turning of the elements there.
+// and the turning of the elements there. Positions in between are rounded before forces are made of
+// them: 5e-17 m on a stiffness of 1e9 N/m, which the differences divide by 1e-4, is 1e-6 of an
+// entry.
 TEST(FemInterfaceJacobian, MatchesCentralDifferencesOverMicroSteps) {
-  EXPECT_LT(jacobian_error(bar_with_two_ports(), 3, 1e-4), 1e-6);
+  EXPECT_LT(jacobian_error(bar_with_two_ports(), 3, 1e-4), 2e-6);
 }
 
 TEST(FemInterfaceJacobian, MatchesCentralDifferencesOverHhtMicroSteps) {
@@ -67,7 +71,7 @@ TEST(FemInterfaceJacobian, MatchesCentralDifferencesForGeneralisedAlphaAndNewmar
     Params params = bar_with_two_ports();
     params.integrator = integrator;
     params.damping = {.alpha_per_s = 3.0, .beta_s = 2e-3};
-    EXPECT_LT(jacobian_error(params, 1, 1e-3), 1e-6);
+    EXPECT_LT(jacobian_error(params, 1, 1e-4), 1e-6);
     EXPECT_LT(jacobian_error(params, 3, 1e-4), 1e-6);
   }
 }
