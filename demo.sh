@@ -1,17 +1,24 @@
 #!/usr/bin/env bash
 # Builds Tandem and answers its question for one model: what does coupling cost?
 #   ./demo.sh [SCENARIO] [--repeat N]     default: examples/lug/scenario.yaml, 3 repeats
+#   ./demo.sh --configure-only            installs what is missing and configures; builds nothing
 set -euo pipefail
 exec </dev/null
 here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 scenario=$here/examples/lug/scenario.yaml
 repeat=3
+configure_only=false
 while [[ $# -gt 0 ]]; do
   case "$1" in
-    -h | --help) sed -n '2,3s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,4s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
     --repeat) repeat=${2:?--repeat needs a number}; shift 2 ;;
-    -*) echo "demo.sh: unknown option '$1'; there is --repeat N" >&2; exit 2 ;;
-    *) scenario=$(readlink -f "$1"); shift ;;
+    --configure-only) configure_only=true; shift ;;
+    -*) echo "demo.sh: unknown option '$1'; there are --repeat N and --configure-only" >&2; exit 2 ;;
+    *)
+      [[ -f $1 ]] || { echo "demo.sh: there is no scenario '$1'" >&2; exit 2; }
+      scenario=$(readlink -f "$1")
+      shift
+      ;;
   esac
 done
 cd "$here"
@@ -19,6 +26,10 @@ source .ci/install.sh
 source .ci/network.sh
 
 install_missing "${build_packages[@]}"
+if $configure_only; then
+  cmake --preset release
+  exit 0
+fi
 
 # One line for every fifth of the build, of ninja's lines "[done/all] …".
 show_progress() {

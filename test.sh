@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds with warnings as errors, checks the formatting, runs all tests.
-#   ./test.sh              everything, optimised
-#   ./test.sh --sanitize   unit, contract and process tests under address and UB sanitizers
+# Installs what is missing, checks formatting, scripts and package lists, builds with warnings as
+# errors, runs all tests.
+#   ./test.sh                    everything, optimised
+#   ./test.sh --sanitize         unit, contract and process tests under address and UB sanitizers
+#   ./test.sh --configure-only   installs what is missing and configures; builds and tests nothing
 # The exit code is that of the tests.
 set -euo pipefail
 exec </dev/null
@@ -9,12 +11,16 @@ cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")"
 source .ci/install.sh
 source .ci/network.sh
 
-case "${1-}" in
-  "") preset=ci ;;
-  --sanitize) preset=asan-ubsan ;;
-  -h | --help) sed -n '2,5s/^# //p' test.sh; exit 0 ;;
-  *) echo "test.sh: unknown option '$1'; there is --sanitize" >&2; exit 2 ;;
-esac
+preset=ci
+configure_only=false
+for option in "$@"; do
+  case "$option" in
+    --sanitize) preset=asan-ubsan ;;
+    --configure-only) configure_only=true ;;
+    -h | --help) sed -n '2,7s/^# //p' test.sh; exit 0 ;;
+    *) echo "test.sh: unknown option '$option'; there are --sanitize and --configure-only" >&2; exit 2 ;;
+  esac
+done
 
 check_format() {
   local version
@@ -28,9 +34,21 @@ check_format() {
   echo "Formatting: good."
 }
 
+check_scripts() {
+  if ! command -v shellcheck >/dev/null; then
+    echo "Scripts not checked: shellcheck is not installed."
+    return 0
+  fi
+  shellcheck -x demo.sh test.sh .ci/*
+  echo "Scripts: good."
+}
+
 install_missing "${build_packages[@]}" "${test_packages[@]}"
-check_format
 cmake --preset "$preset"
+if $configure_only; then exit 0; fi
+check_format
+check_scripts
+if [[ $preset == ci ]]; then .ci/fresh-debian; fi
 cmake --build --preset "$preset"
 tests=(ctest --preset "$preset" --no-label-summary)
 if ! on_loopback "${tests[@]}" -j "$(nproc)"; then

@@ -19,7 +19,7 @@ on_loopback() {
     fi
   done
   echo "No network namespace can be made here: using the machine's own network."
-  if ! ip route get 239.255.76.67 >/dev/null 2>&1; then
+  if command -v ip >/dev/null && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
     echo "This machine has no route for multicast, which LCM needs. Add one, as root:" >&2
     echo "  ip route add 224.0.0.0/4 dev lo" >&2
     return 4
