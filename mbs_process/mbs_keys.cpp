@@ -50,12 +50,16 @@ Key limits_key() {
   Section limit;
   limit.title = "Limit";
   limit.doc =
-      "Range of one coordinate of a joint, counted from the pose at t = 0. A limit acts once it "
-      "has been passed, so the coordinate overshoots by up to its rate times the micro step.";
+      "Range of one coordinate of a joint, counted from the pose at t = 0 and through full turns. "
+      "A "
+      "limit acts once it has been passed, so the coordinate overshoots by up to its rate times "
+      "the micro step, of which each step pushes back the share erp.";
   limit.keys = {
       scenario::integer("axis").between(1, 2).by_default("1").doc_is("Which axis is limited."),
-      scenario::real("lower_rad", "rad").doc_is("Least angle, −π or above. Left out: none."),
-      scenario::real("upper_rad", "rad").doc_is("Greatest angle, π or below. Left out: none."),
+      scenario::real("lower_rad", "rad")
+          .doc_is("Least angle, of any number of turns. Left out: none."),
+      scenario::real("upper_rad", "rad")
+          .doc_is("Greatest angle, of any number of turns. Left out: none."),
       scenario::real("lower_m", "m").doc_is("Least displacement of a slider. Left out: none."),
       scenario::real("upper_m", "m").doc_is("Greatest displacement of a slider. Left out: none."),
   };
@@ -69,7 +73,9 @@ Key motor_key() {
   motor.doc =
       "Drives one coordinate of a hinge, slider, universal or hinge2 joint along a law of time: "
       "its rate (speed; the coordinate follows the integral of the law), or its value (position). "
-      "The pose at t = 0 belongs to a position law's value at t = 0.";
+      "The pose at t = 0 belongs to a position law's value at t = 0. On an axis with limits it "
+      "must "
+      "yield somewhere, and presses against a stop with that.";
   motor.keys = {
       scenario::choice("kind", {"speed", "position"})
           .must()
@@ -240,8 +246,10 @@ Key mbs_keys() {
       scenario::real("erp", "").between(0, 1).by_default("0.2").doc_is(
           "Share of a joint's position error that one step removes."),
       scenario::real("cfm", "").at_least(0).by_default("1e-10").doc_is(
-          "Constraint force mixing: softness of joints and motors; must be positive where "
-          "joints constrain the same motion twice."),
+          "Constraint force mixing, m/s per N: a joint or stop gives way by cfm times its force "
+          "times "
+          "the micro step over erp, a motor falls behind its law by cfm times its effort; must be "
+          "positive where joints constrain the same motion twice."),
       bodies_key(),
       joints_key(),
       springs_key(),

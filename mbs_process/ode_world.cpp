@@ -2,10 +2,14 @@
 
 #include <ode/ode.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <deque>
 #include <mutex>
 
+#include "mbs_process/ode_joint.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::mbs {
@@ -106,102 +110,41 @@ dBodyID create_body(dWorldID world, const BodyParams& params, bool implicit_gyro
   return body;
 }
 
-dJointID create_joint(dWorldID world, const JointParams& params, dBodyID body1, dBodyID body2) {
-  const Eigen::Vector3d& p = params.p_WA;
-  const Eigen::Vector3d a = params.axis_W.normalized();
-  const Eigen::Vector3d b = params.axis2_W.normalized();
-  dJointID joint = nullptr;
-  switch (params.kind) {
-    case JointKind::Ball:
-      joint = dJointCreateBall(world, nullptr);
-      dJointAttach(joint, body1, body2);
-      dJointSetBallAnchor(joint, p.x(), p.y(), p.z());
-      break;
-    case JointKind::Hinge:
-      joint = dJointCreateHinge(world, nullptr);
-      dJointAttach(joint, body1, body2);
-      dJointSetHingeAnchor(joint, p.x(), p.y(), p.z());
-      dJointSetHingeAxis(joint, a.x(), a.y(), a.z());
-      break;
-    case JointKind::Slider:
-      joint = dJointCreateSlider(world, nullptr);
-      dJointAttach(joint, body1, body2);
-      dJointSetSliderAxis(joint, a.x(), a.y(), a.z());
-      break;
-    case JointKind::Universal:
-      joint = dJointCreateUniversal(world, nullptr);
-      dJointAttach(joint, body1, body2);
-      dJointSetUniversalAnchor(joint, p.x(), p.y(), p.z());
-      dJointSetUniversalAxis1(joint, a.x(), a.y(), a.z());
-      dJointSetUniversalAxis2(joint, b.x(), b.y(), b.z());
-      break;
-    case JointKind::Fixed:
-      joint = dJointCreateFixed(world, nullptr);
-      dJointAttach(joint, body1, body2);
-      dJointSetFixed(joint);
-      break;
-    case JointKind::Hinge2: {
-      joint = dJointCreateHinge2(world, nullptr);
-      dJointAttach(joint, body1, body2);
-      dJointSetHinge2Anchor(joint, p.x(), p.y(), p.z());
-      const dVector3 axis1 = {a.x(), a.y(), a.z(), 0};
-      const dVector3 axis2 = {b.x(), b.y(), b.z(), 0};
-      dJointSetHinge2Axes(joint, axis1, axis2);
-      break;
-    }
-  }
-  return joint;
+/// ±∞ leaves that end free.
+void set_stop(dJointID joint, const LimitParams& limit) {
+  set_parameter(joint, dParamHiStop, std::min(limit.upper, dInfinity));
+  set_parameter(joint, dParamLoStop, std::max(limit.lower, -dInfinity));
 }
 
-/// Sets a parameter of the limit-and-motor of axis 1 or 2.
-void set_parameter(dJointID joint, int axis, int parameter, double value) {
-  const int numbered = axis == 1 ? parameter : parameter + dParamGroup2;
-  switch (dJointGetType(joint)) {
-    case dJointTypeHinge:
-      dJointSetHingeParam(joint, parameter, value);
-      break;
-    case dJointTypeSlider:
-      dJointSetSliderParam(joint, parameter, value);
-      break;
-    case dJointTypeUniversal:
-      dJointSetUniversalParam(joint, numbered, value);
-      break;
-    case dJointTypeHinge2:
-      dJointSetHinge2Param(joint, numbered, value);
-      break;
-    default:
-      throw std::logic_error("joint type has neither limits nor motor");
-  }
+/// A joint of ODE; it writes its reactions into this very place.
+struct Element {
+  dJointID id = nullptr;
+  std::size_t joint = 0;             ///< of Params::joints
+  std::array<int, 2> bodies{0, -1};  ///< −1 = world
+  int axis = 1;                      ///< of a stop
+  double max_effort = 0.0;           ///< of a motor
+  double mobility = 0.0;             ///< of a motor beside a stop: its bodies' rate per impulse
+  dJointFeedback reaction{};
+};
+using Elements = std::deque<Element>;
+
+/// Rate that a unit impulse along (angular: about an axis of) a coordinate gives a body, on
+/// average.
+double mobility_of(const BodyParams& body, JointKind kind) {
+  return kind == JointKind::Slider ? 1.0 / body.mass_kg : 3.0 / body.inertia_B().trace();
 }
 
-/// Balls and fixed joints, and the suspension of a hinge2, take over the world's erp when they are
-/// made; the others ask the world in every step.
-void set_erp(dJointID joint, double erp) {
-  switch (dJointGetType(joint)) {
-    case dJointTypeBall:
-      dJointSetBallParam(joint, dParamERP, erp);
-      break;
-    case dJointTypeFixed:
-      dJointSetFixedParam(joint, dParamERP, erp);
-      break;
-    case dJointTypeHinge2:
-      dJointSetHinge2Param(joint, dParamSuspensionERP, erp);
-      break;
-    default:
-      break;
-  }
-}
-
-void set_limits_and_motor(dJointID joint, const JointParams& params) {
-  for (const LimitParams& limit : params.limits) {
-    // ODE refuses a stop that would reverse the range at the moment of the call, so the upper one
-    // is set before the narrow one can cross it; ±∞ leaves that end free.
-    set_parameter(joint, limit.axis, dParamHiStop, std::min(limit.upper, dInfinity));
-    set_parameter(joint, limit.axis, dParamLoStop, std::max(limit.lower, -dInfinity));
-  }
-  if (params.motor) {
-    set_parameter(joint, params.motor->axis, dParamFMax,
-                  std::min(params.motor->max_effort, dInfinity));
+void add_reactions_of(const Elements& elements, std::vector<BodyWrench>& on_bodies) {
+  for (const Element& element : elements) {
+    const dJointFeedback& feedback = element.reaction;
+    const auto [body1, body2] = element.bodies;
+    BodyWrench& first = on_bodies[static_cast<std::size_t>(body1)];
+    first.f_B_W += vector_of(feedback.f1);
+    first.t_B_W += vector_of(feedback.t1);
+    if (body2 < 0) continue;
+    BodyWrench& second = on_bodies[static_cast<std::size_t>(body2)];
+    second.f_B_W += vector_of(feedback.f2);
+    second.t_B_W += vector_of(feedback.t2);
   }
 }
 
@@ -212,12 +155,50 @@ struct OdeWorld::Impl {
   ThreadingPtr threading;  // likewise
   WorldPtr world;
   std::vector<dBodyID> bodies;
-  std::vector<dJointID> joints;
-  std::vector<int> motor_axes;                   // 0 = no motor
-  std::vector<dJointFeedback> feedbacks;         // ODE writes into these
-  std::vector<std::array<int, 2>> joint_bodies;  // −1 = world
-  bool broken = false;                           // ODE was left in the middle of a step
+  // Motors and the stops of angles are rows of their own beside their joint. Both may then act on
+  // one coordinate (ODE's joint would push against its stop with all of the motor's effort), a stop
+  // is told the angle through full turns, and a motor's work is known apart.
+  Elements joints, stops, motors;
+  bool broken = false;  // ODE was left in the middle of a step
+
+  static Element& add(Elements& to, Element element) {
+    to.push_back(element);
+    dJointSetFeedback(element.id, &to.back().reaction);
+    return to.back();
+  }
+  void add_joint(const Params& params, std::size_t j);
 };
+
+void OdeWorld::Impl::add_joint(const Params& params, std::size_t j) {
+  const JointParams& joint = params.joints[j];
+  const std::size_t index1 = body_index(params, joint.body1).value();
+  const auto index2 = body_index(params, joint.body2);
+  dBodyID body1 = bodies[index1];
+  dBodyID body2 = index2 ? bodies[*index2] : nullptr;
+  Element element{.joint = j,
+                  .bodies = {static_cast<int>(index1), index2 ? static_cast<int>(*index2) : -1}};
+  element.id = create_joint(world.get(), joint, body1, body2);
+  add(joints, element);
+  for (const LimitParams& limit : joint.limits) {
+    if (joint.kind == JointKind::Slider) {
+      set_stop(joints.back().id, limit);  // its coordinate has no turns
+      continue;
+    }
+    element.id = create_row(world.get(), joint, limit.axis, body1, body2);
+    set_stop(element.id, limit);
+    add(stops, element).axis = limit.axis;
+  }
+  if (!joint.motor) return;
+  element.id = create_row(world.get(), joint, joint.motor->axis, body1, body2);
+  element.max_effort = joint.motor->max_effort;
+  for (const LimitParams& limit : joint.limits) {
+    if (limit.axis != joint.motor->axis) continue;
+    element.mobility = mobility_of(params.bodies[index1], joint.kind);
+    if (!index2) continue;
+    element.mobility = std::max(element.mobility, mobility_of(params.bodies[*index2], joint.kind));
+  }
+  add(motors, element);
+}
 
 // ODE asserts that its queues are empty when a world is destroyed, which they are not after a
 // fault: such a world is kept until the process ends. Faults end runs, so there are never many.
@@ -233,7 +214,7 @@ void OdeWorld::Retire::operator()(Impl* impl) const {
 }
 
 OdeWorld::OdeWorld(const Params& params)
-    : impl_(new Impl), gravity_m_per_s2_(params.gravity_m_per_s2), erp_(params.erp) {
+    : impl_(new Impl), gravity_m_per_s2_(params.gravity_m_per_s2) {
   Impl& impl = *impl_;
   impl.world.reset(dWorldCreate());
   dWorldID world = impl.world.get();
@@ -242,8 +223,6 @@ OdeWorld::OdeWorld(const Params& params)
   impl.threading.reset(dThreadingAllocateSelfThreadedImplementation());
   dWorldSetStepThreadingImplementation(
       world, dThreadingImplementationGetFunctions(impl.threading.get()), impl.threading.get());
-  dWorldSetERP(world, params.erp);  // what limits take over when their joints are made
-  dWorldSetCFM(world, params.cfm);
   dWorldSetAutoDisableFlag(world, 0);
   dWorldSetStepIslandsProcessingMaxThreadCount(world, 1);
   const bool implicit_gyroscopic_torque = params.integrator == IntegratorKind::Euler;
@@ -251,45 +230,54 @@ OdeWorld::OdeWorld(const Params& params)
     impl.bodies.push_back(create_body(world, body, implicit_gyroscopic_torque));
   }
 
-  impl.feedbacks.resize(params.joints.size());
-  for (std::size_t j = 0; j < params.joints.size(); ++j) {
-    const JointParams& joint = params.joints[j];
-    const auto index1 = body_index(params, joint.body1);
-    const auto index2 = body_index(params, joint.body2);
-    dBodyID body2 = index2 ? impl.bodies[*index2] : nullptr;
-    dJointID id = create_joint(world, joint, impl.bodies[index1.value()], body2);
-    set_limits_and_motor(id, joint);
-    dJointSetFeedback(id, &impl.feedbacks[j]);
-    impl.joints.push_back(id);
-    impl.motor_axes.push_back(joint.motor ? joint.motor->axis : 0);
-    impl.joint_bodies.push_back(
-        {static_cast<int>(*index1), index2 ? static_cast<int>(*index2) : -1});
-  }
+  for (std::size_t j = 0; j < params.joints.size(); ++j) impl.add_joint(params, j);
 }
 
 OdeWorld::~OdeWorld() = default;
 OdeWorld::OdeWorld(OdeWorld&&) noexcept = default;
 OdeWorld& OdeWorld::operator=(OdeWorld&&) noexcept = default;
 
-void OdeWorld::load(const std::vector<BodyState>& bodies) {
+void OdeWorld::load(const std::vector<BodyState>& bodies,
+                    const std::vector<std::array<double, 2>>& joint_coordinates) {
   for (std::size_t i = 0; i < bodies.size(); ++i) set_motion(impl_->bodies[i], bodies[i]);
+  for (const Element& stop : impl_->stops) {
+    const auto axis = static_cast<std::size_t>(stop.axis - 1);
+    dJointSetAMotorAngle(stop.id, 0, joint_coordinates[stop.joint][axis]);
+  }
 }
 
 void OdeWorld::set_motor_speed(std::size_t joint, double speed) {
-  set_parameter(impl_->joints[joint], impl_->motor_axes[joint], dParamVel, speed);
+  for (const Element& motor : impl_->motors) {
+    if (motor.joint == joint) set_parameter(motor.id, dParamVel, speed);
+  }
 }
 
-void OdeWorld::step(double h_s, const std::vector<BodyWrench>& applied, double share, double erp) {
-  const Eigen::Vector3d g = share * gravity_m_per_s2_;
+void OdeWorld::obey(const StepRule& rule, double h_s) {
+  const Eigen::Vector3d g = rule.share * gravity_m_per_s2_;
   dWorldSetGravity(impl_->world.get(), g.x(), g.y(), g.z());
-  dWorldSetERP(impl_->world.get(), erp);
-  for (dJointID joint : impl_->joints) set_erp(joint, erp);
+  dWorldSetERP(impl_->world.get(), rule.erp);
+  dWorldSetCFM(impl_->world.get(), rule.cfm);
+  for (const Element& joint : impl_->joints) set_softness(joint.id, rule.erp, rule.cfm);
+  for (const Element& stop : impl_->stops) set_softness(stop.id, rule.erp, rule.cfm);
+  for (const Element& motor : impl_->motors) {
+    // A motor and a stop on one coordinate are two equal rows, which need some softness to be told
+    // apart: the motor slips by 1e-8 of what its effort would do in a step.
+    const double least = 1e-8 * h_s * motor.mobility;
+    set_parameter(motor.id, dParamCFM, std::max(rule.motor_cfm, least));
+    set_parameter(motor.id, dParamFMax, std::min(rule.share * motor.max_effort, dInfinity));
+  }
+}
+
+void OdeWorld::step(double h_s, const std::vector<BodyWrench>& applied, const StepRule& rule) {
+  obey(rule, h_s);
   for (std::size_t i = 0; i < applied.size(); ++i) {
-    const Eigen::Vector3d f = share * applied[i].f_B_W;
-    const Eigen::Vector3d t = share * applied[i].t_B_W;
+    const Eigen::Vector3d f = rule.share * applied[i].f_B_W;
+    const Eigen::Vector3d t = rule.share * applied[i].t_B_W;
     dBodySetForce(impl_->bodies[i], f.x(), f.y(), f.z());
     dBodySetTorque(impl_->bodies[i], t.x(), t.y(), t.z());
   }
+  // ODE leaves out stops that do not act, and their reactions as they were.
+  for (Element& stop : impl_->stops) stop.reaction = {};
   last_message.clear();
   impl_->broken = true;  // until the step returns
   const int stepped = dWorldStep(impl_->world.get(), h_s);
@@ -311,35 +299,17 @@ void OdeWorld::read(std::vector<BodyState>& bodies) const {
 
 void OdeWorld::add_reactions(std::vector<BodyWrench>& motors,
                              std::vector<BodyWrench>& joints) const {
-  for (std::size_t j = 0; j < impl_->joints.size(); ++j) {
-    const dJointFeedback& feedback = impl_->feedbacks[j];
-    const auto [body1, body2] = impl_->joint_bodies[j];
-    std::vector<BodyWrench>& on_bodies = impl_->motor_axes[j] != 0 ? motors : joints;
-    BodyWrench& first = on_bodies[static_cast<std::size_t>(body1)];
-    first.f_B_W += vector_of(feedback.f1);
-    first.t_B_W += vector_of(feedback.t1);
-    if (body2 < 0) continue;
-    BodyWrench& second = on_bodies[static_cast<std::size_t>(body2)];
-    second.f_B_W += vector_of(feedback.f2);
-    second.t_B_W += vector_of(feedback.t2);
-  }
+  add_reactions_of(impl_->motors, motors);
+  add_reactions_of(impl_->joints, joints);
+  add_reactions_of(impl_->stops, joints);
 }
 
 std::array<double, 2> OdeWorld::coordinates(std::size_t joint) const {
-  dJointID id = impl_->joints[joint];
-  switch (dJointGetType(id)) {
-    case dJointTypeHinge:
-      return {dJointGetHingeAngle(id), 0.0};
-    case dJointTypeSlider:
-      return {dJointGetSliderPosition(id), 0.0};
-    case dJointTypeUniversal:
-      return {dJointGetUniversalAngle1(id), dJointGetUniversalAngle2(id)};
-    case dJointTypeHinge2:
-      // ODE counts this one angle, alone of all, as body2 relative to body1.
-      return {dJointGetHinge2Angle1(id), -dJointGetHinge2Angle2(id)};
-    default:
-      return {0.0, 0.0};
-  }
+  return coordinates_of(impl_->joints[joint].id);
+}
+
+std::array<double, 2> OdeWorld::rates(std::size_t joint) const {
+  return rates_of(impl_->joints[joint].id);
 }
 
 }  // namespace tandem::mbs

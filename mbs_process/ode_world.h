@@ -8,6 +8,7 @@
 
 #include "mbs_process/params.h"
 #include "mbs_process/state.h"
+#include "mbs_process/step_rule.h"
 
 namespace tandem::mbs {
 
@@ -20,10 +21,13 @@ class OdeFault : public std::runtime_error {
 
 /// The one border to the Open Dynamics Engine: bodies and joints of a dWorld, stepped by dWorldStep
 /// (direct LCP solver, semi-implicit Euler, double precision):
-///   M (v⁺ − v) / h = f + Jᵀ λ,   J v⁺ + (cfm / h) λ = −(erp / h) φ,   x⁺ = x ⊕ h v⁺,
+///   M (v⁺ − v) / h = f + Jᵀ μ,   J v⁺ + cfm μ = −(erp / h) φ,   x⁺ = x ⊕ h v⁺,
 /// with the gyroscopic torque made implicit [Lacoursière 2006] and x ⊕ h v⁺ an exact finite
 /// rotation about w⁺. No collision, damping, or auto-disabling. [R. Smith, Open Dynamics Engine,
 /// 0.16]
+///
+/// A stop is a row J v⁺ + cfm μ ≥ −(erp / h) φ, μ ≥ 0 while its coordinate is at or beyond it; a
+/// motor a row J v⁺ + cfm μ = speed, |μ| ≤ its largest effort. Both may act on one coordinate.
 ///
 /// It keeps no state of its own: load(), step(), read() is a pure function of what was loaded.
 /// Several worlds may live in one process; one world is used by one thread at a time.
@@ -37,29 +41,32 @@ class OdeWorld {
   OdeWorld(const OdeWorld&) = delete;
   OdeWorld& operator=(const OdeWorld&) = delete;
 
-  void load(const std::vector<BodyState>& bodies);
+  /// `joint_coordinates` are those that stops of angles act on, counted through full turns.
+  void load(const std::vector<BodyState>& bodies,
+            const std::vector<std::array<double, 2>>& joint_coordinates);
   /// Rate that the motor of `joint` aims at in the next step (rad/s, slider: m/s).
   void set_motor_speed(std::size_t joint, double speed);
-  /// One dWorldStep of h_s under `applied` (one entry per body). Throws OdeFault.
-  void step(double h_s, const std::vector<BodyWrench>& applied) { step(h_s, applied, 1.0, erp_); }
-  /// The same with `share` of gravity and of `applied`, and another fraction erp. With half the
-  /// forces the velocities gain what h/2 gives and the poses move by h.
-  void step(double h_s, const std::vector<BodyWrench>& applied, double share, double erp);
+  /// One dWorldStep of h_s by `rule` under `applied` (one entry per body). Throws OdeFault.
+  void step(double h_s, const std::vector<BodyWrench>& applied, const StepRule& rule);
   void read(std::vector<BodyState>& bodies) const;
-  /// Adds what the joints (limits included) exerted on each body in the last step: those with a
-  /// motor to `motors`, all others to `joints`.
+  /// Adds what was exerted on each body in the last step, by motors to `motors`, by joints and
+  /// their stops to `joints`.
   void add_reactions(std::vector<BodyWrench>& motors, std::vector<BodyWrench>& joints) const;
   /// Present coordinates of a joint as ODE measures them: angles in [−π, π].
   [[nodiscard]] std::array<double, 2> coordinates(std::size_t joint) const;
+  /// Their present rates (rad/s, slider: m/s).
+  [[nodiscard]] std::array<double, 2> rates(std::size_t joint) const;
 
  private:
+  /// Prepares what the next dWorldStep takes.
+  void obey(const StepRule& rule, double h_s);
+
   struct Impl;
   struct Retire {
     void operator()(Impl* impl) const;
   };
   std::unique_ptr<Impl, Retire> impl_;
   Eigen::Vector3d gravity_m_per_s2_;
-  double erp_;
 };
 
 }  // namespace tandem::mbs

@@ -138,14 +138,6 @@ std::optional<Defect> bad_limit(const JointParams& joint, const LimitParams& lim
   if (joint.kind == JointKind::Hinge2 && limit.axis == 2) {
     return Defect{"limits", "axis 2 of a hinge2 joint turns freely. Limit axis 1 alone."};
   }
-  const bool angular = joint.kind != JointKind::Slider;
-  const double bound = std::numbers::pi;
-  if (angular && ((finite(limit.lower) && limit.lower < -bound) ||
-                  (finite(limit.upper) && limit.upper > bound))) {
-    return Defect{"limits", "range " + range +
-                                " rad goes beyond ±π, where an angle cannot be told from its other "
-                                "turns. Stay within ±3.14159 or leave the limit out."};
-  }
   return std::nullopt;
 }
 
@@ -158,11 +150,12 @@ std::optional<Defect> bad_motor(const JointParams& joint) {
                   "the largest effort must be positive, not " + text_of(motor.max_effort) + "."};
   }
   for (const LimitParams& limit : joint.limits) {
-    // ODE pushes with the motor's full effort against a limit, which an unlimited one cannot
-    // survive.
-    if (limit.axis == motor.axis) {
-      return Defect{"motor", "axis " + std::to_string(limit.axis) +
-                                 " has both a motor and limits. Bound the law instead."};
+    if (limit.axis == motor.axis && !finite(motor.max_effort)) {
+      return Defect{"motor",
+                    fmt::format("axis {} has limits, and a motor that never yields would push "
+                                "through them. Give it {}, or bound the law in place of the axis.",
+                                limit.axis,
+                                joint.kind == JointKind::Slider ? "max_force_N" : "max_torque_Nm")};
     }
   }
   return std::nullopt;

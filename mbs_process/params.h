@@ -45,8 +45,10 @@ enum class JointKind {
 [[nodiscard]] int coordinate_count(JointKind kind);
 [[nodiscard]] std::string name_of(JointKind kind);
 
-/// lower ≤ coordinate ≤ upper in rad, or m for a slider. A limit acts when it has been passed, so a
-/// coordinate overshoots by up to |rate| h and is pushed back by the fraction erp per step.
+/// lower ≤ coordinate ≤ upper in rad, counted through full turns, or m for a slider. A limit acts
+/// when it has been passed, so a coordinate overshoots by up to |rate| h and is pushed back by the
+/// fraction erp per step; a body that nothing holds there leaves with that speed, erp of its rate
+/// at most.
 struct LimitParams {
   int axis = 1;
   double lower = -std::numeric_limits<double>::infinity();
@@ -59,6 +61,7 @@ struct LimitParams {
 ///   Position:  θ̇(t + h) = [target(t + h) − target(t) − erp (θ(t) − target(t))] / h,
 ///              target(t) = law(t) − law(0),
 /// so the pose at t = 0 belongs to the law's value at t = 0, and drift decays by (1 − erp) a step.
+/// A motor beside limits of its axis needs a largest effort, with which it pushes against a stop.
 struct MotorParams {
   enum class Kind { Speed, Position };
   Kind kind = Kind::Speed;
@@ -129,7 +132,7 @@ struct Params {
   IntegratorKind integrator = IntegratorKind::Euler;
   double newmark_beta = 0.25;  ///< of Verlet: how the new wrench acts on the pose, 0 to 1/4
   double erp = 0.2;            ///< share of a joint's position error removed in one step
-  double cfm = 1e-10;          ///< constraint force mixing: J v⁺ + (cfm / h) λ = rhs
+  double cfm = 1e-10;          ///< constraint force mixing (m/s per N), see whole_step()
   std::vector<BodyParams> bodies;
   std::vector<JointParams> joints;
   std::vector<SpringParams> springs;

@@ -1,5 +1,7 @@
 #include "mbs_process/rigid_world.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -37,7 +39,7 @@ bool out_of_bounds(const BodyState& body) {
   return !all_finite(body) || body.v_WB.norm() > kMost || body.w_WB.norm() > kMost;
 }
 
-std::string at_time(SimTime t) { return " at t = " + std::to_string(to_seconds(t)) + " s"; }
+std::string at_time(SimTime t) { return fmt::format(" at t = {:.12g} s", to_seconds(t)); }
 
 /// The body that moves fastest, or one that does not move by numbers.
 std::size_t fastest(const std::vector<BodyState>& bodies) {
@@ -232,11 +234,11 @@ void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches,
   loads_.add_to(state, to_seconds(state.time) + h_s, applied, sorted_);
   add_port_wrenches(state, wrenches, applied);
   const std::vector<BodyState> before = state.bodies;
-  world_.load(state.bodies);
-  command_motors(state, h_s);
-  world_.step(h_s, applied);
+  world_.load(state.bodies, state.joint_coordinates);
+  command_motors(state, h_s, MotorAim::Mean);
+  world_.step(h_s, applied, whole_step(params_));
   world_.read(state.bodies);
-  track_coordinates(state);
+  track_coordinates(state, h_s);
   if (work == nullptr) return;
   for (std::size_t i = 0; i < before.size(); ++i) {
     sorted_.gyroscopic[i].t_B_W = implicit_gyroscopic_torque(params_.bodies[i], before[i], h_s);
@@ -257,8 +259,8 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
       stack(wrenches.begin) + share * (stack(wrenches.end) - stack(wrenches.begin));
   const std::vector<BodyState> begin = state.bodies;
   const MotionSet motions = work == nullptr ? MotionSet{} : motions_of(state);
-  half_kick(state, t_s, h_s, unstack_wrenches(first), begin, params_.erp);
-  track_coordinates(state);
+  half_kick(state, t_s, h_s, unstack_wrenches(first), begin, Half::First);
+  track_coordinates(state, h_s);
   const std::vector<BodyState> middle = state.bodies;
   if (work != nullptr) {
     work->add(sorted_, middle, h_s, 0.5);
@@ -270,7 +272,7 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
     state.bodies[i].v_WB = 2.0 * middle[i].v_WB - begin[i].v_WB;
     state.bodies[i].w_WB = 2.0 * middle[i].w_WB - begin[i].w_WB;
   }
-  half_kick(state, t_s + h_s, h_s, unstack_wrenches(sum - first), middle, 0.0);
+  half_kick(state, t_s + h_s, h_s, unstack_wrenches(sum - first), middle, Half::Second);
   // The second half changes velocities alone.
   for (std::size_t i = 0; i < begin.size(); ++i) {
     state.bodies[i].p_WB = middle[i].p_WB;
@@ -287,15 +289,16 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
 }
 
 void RigidWorld::half_kick(State& state, double t_s, double h_s, const WrenchSet& wrenches,
-                           const std::vector<BodyState>& bodies, double erp) {
+                           const std::vector<BodyState>& bodies, Half half) {
   std::vector<BodyWrench> applied(bodies.size());
   sorted_.reset(bodies.size());
   loads_.add_to(state, t_s, applied, sorted_);
   add_port_wrenches(state, wrenches, applied);
   add_gyroscopic_torques(state, applied);
-  world_.load(bodies);
-  command_motors(state, h_s, erp == 0.0);
-  world_.step(h_s, applied, 0.5, erp);
+  world_.load(bodies, state.joint_coordinates);
+  const bool first = half == Half::First;
+  command_motors(state, h_s, first ? MotorAim::Mean : MotorAim::End);
+  world_.step(h_s, applied, first ? first_half(params_) : second_half(params_, h_s));
   world_.read(state.bodies);
   world_.add_reactions(sorted_.motors, sorted_.joints);
 }
@@ -310,22 +313,14 @@ void RigidWorld::add_gyroscopic_torques(const State& state, std::vector<BodyWren
   }
 }
 
-void RigidWorld::command_motors(const State& state, double h_s, bool at_end) {
-  const double t = to_seconds(state.time);
+void RigidWorld::command_motors(const State& state, double h_s, MotorAim aim) {
+  const double t_s = to_seconds(state.time);
   for (std::size_t j = 0; j < params_.joints.size(); ++j) {
     const auto& motor = params_.joints[j].motor;
     if (!motor) continue;
-    // The mean over the step: the rate at its end would leave the joint ahead by h/2 of the law.
-    double speed = at_end ? motor->law(t + h_s) : motor->law.mean(t, t + h_s);
-    if (motor->kind == MotorParams::Kind::Position && at_end) {
-      speed = (motor->law(t + 1.5 * h_s) - motor->law(t + 0.5 * h_s)) / h_s;
-    } else if (motor->kind == MotorParams::Kind::Position) {
-      const double coordinate =
-          state.joint_coordinates[j][static_cast<std::size_t>(motor->axis - 1)];
-      const double target = motor->law(t) - motor->law(0.0);
-      speed = (motor->law(t + h_s) - motor->law(t) - params_.erp * (coordinate - target)) / h_s;
-    }
-    world_.set_motor_speed(j, speed);
+    const auto axis = static_cast<std::size_t>(motor->axis - 1);
+    const double coordinate = state.joint_coordinates[j][axis];
+    world_.set_motor_speed(j, motor_rate(*motor, aim, coordinate, t_s, h_s, params_.erp));
   }
 }
 
@@ -339,14 +334,16 @@ void RigidWorld::add_port_wrenches(const State& state, const WrenchSet& wrenches
   }
 }
 
-void RigidWorld::track_coordinates(State& state) const {
+void RigidWorld::track_coordinates(State& state, double h_s) const {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   for (std::size_t j = 0; j < params_.joints.size(); ++j) {
     std::array<double, 2> now = world_.coordinates(j);
     if (params_.joints[j].kind != JointKind::Slider) {
-      // ODE measures an angle within one turn; the nearest to the last one is meant.
+      // ODE measures an angle within one turn: meant is the nearest to where its rate has led.
+      const std::array<double, 2> rates = world_.rates(j);
       for (std::size_t axis = 0; axis < 2; ++axis) {
-        now[axis] += kTurn * std::round((state.joint_coordinates[j][axis] - now[axis]) / kTurn);
+        const double expected = state.joint_coordinates[j][axis] + h_s * rates[axis];
+        now[axis] += kTurn * std::round((expected - now[axis]) / kTurn);
       }
     }
     state.joint_coordinates[j] = now;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mbs_process/loads.h"
+#include "mbs_process/motor_rate.h"
 #include "mbs_process/ode_world.h"
 #include "mbs_process/params.h"
 #include "mbs_process/state.h"
@@ -24,12 +25,12 @@ namespace tandem::mbs {
 /// A macro step H = n h makes n steps of OdeWorld; step j = 1…n applies the wrenches that the
 /// segment has at j/n (the end value when n = 1) in the pose at the beginning of the step.
 /// With IntegratorKind::Verlet the micro step is velocity Verlet with constraints on poses and
-/// velocities [Andersen 1983, RATTLE], in ODE's terms: with λ̄ the mean of the wrenches at both
-/// ends,
-///   M (u − v) / h = ½ f(x, v, t) + ½ ((1 − b) λ + b λ⁺) + Jᵀ μ,        J(x) u = −(erp / h) φ(x),
-///   x⁺ = x ⊕ h u, M (v⁺ − u) / h = ½ f(x⁺, 2 u − v, t + h) + ½ (b λ + (1 − b) λ⁺) + Jᵀ μ⁺, J(x⁺)
-///   v⁺ = 0,
-/// two dWorldSteps with half the forces. A free body under λ alone moves by Newmark's rule,
+/// velocities [Andersen 1983, RATTLE], in ODE's terms:
+///   M (u − v) / h = ½ f(x, v, t) + ½ ((1 − b) λ + b λ⁺) + Jᵀ μ,   J(x) u = −(erp / h) φ(x),
+///   x⁺ = x ⊕ h u,
+///   M (v⁺ − u) / h = ½ f(x⁺, 2 u − v, t + h) + ½ (b λ + (1 − b) λ⁺) + Jᵀ μ⁺,   J(x⁺) v⁺ = 0,
+/// two dWorldSteps with half the forces and half the motors' largest efforts; first_half() and
+/// second_half() say what softness (cfm) adds. A free body under λ alone moves by Newmark's rule,
 ///   x⁺ = x + h v + h² ((½ − β) a + β a⁺),   v⁺ = v + ½ h (a + a⁺):
 /// β = ¼ is the trapezoidal rule, which adds no limit to the coupling's stability; with β = 1/12
 /// its period error is of fourth order, and the coupled system is stable while ω h < 2.4 for the
@@ -85,16 +86,17 @@ class RigidWorld final : public MbsSide {
   /// The poses, velocities and works at the end of a micro step; throws OdeFault.
   void euler_step(State& state, double h_s, const WrenchSet& wrenches, StepWork* work);
   void verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches, StepWork* work);
+  enum class Half { First, Second };
   /// One dWorldStep of a Verlet step from `bodies` with the forces of `state` at t_s; what acted is
   /// left in sorted_.
   void half_kick(State& state, double t_s, double h_s, const WrenchSet& wrenches,
-                 const std::vector<BodyState>& bodies, double erp);
+                 const std::vector<BodyState>& bodies, Half half);
   void add_gyroscopic_torques(const State& state, std::vector<BodyWrench>& applied);
-  /// Rates that the motors aim at over the step, or at its end.
-  void command_motors(const State& state, double h_s, bool at_end = false);
+  void command_motors(const State& state, double h_s, MotorAim aim);
   void add_port_wrenches(const State& state, const WrenchSet& wrenches,
                          std::vector<BodyWrench>& applied);
-  void track_coordinates(State& state) const;
+  /// The joints' coordinates after ODE has moved the bodies for h_s.
+  void track_coordinates(State& state, double h_s) const;
   [[nodiscard]] double kinetic_energy_J(const State& state) const;
   std::optional<InterfaceJacobian> probe(const State& begin, const State& end,
                                          const StepRequest<WrenchSet>& request,

@@ -31,7 +31,8 @@ class Response {
       : h_s_(h_s),
         loads_(params),
         world_(at_rest(params)),
-        begin_(initial_state(at_rest(params))) {}
+        begin_(initial_state(at_rest(params))),
+        rule_(whole_step(params)) {}
 
   [[nodiscard]] const Loads& loads() const { return loads_; }
 
@@ -39,8 +40,8 @@ class Response {
   [[nodiscard]] Eigen::VectorXd rates(std::size_t spring, double effort) {
     std::vector<BodyWrench> applied(begin_.bodies.size());
     loads_.add_effort(spring, effort, begin_, applied);
-    world_.load(begin_.bodies);
-    world_.step(h_s_, applied);
+    world_.load(begin_.bodies, begin_.joint_coordinates);
+    world_.step(h_s_, applied, rule_);
     State end = begin_;
     world_.read(end.bodies);
     // Directions are those of the beginning: the poses have moved by h v.
@@ -60,6 +61,7 @@ class Response {
   Loads loads_;
   OdeWorld world_;
   State begin_;
+  StepRule rule_;
 };
 
 /// A: how fast efforts of 1 slow the springs, per second. Tried with efforts that give the body

@@ -14,6 +14,7 @@
 #include "fem_process/flexible_side.h"
 #include "fem_process/highest_frequency.h"
 #include "fem_process/tet10.h"
+#include "mbs_process/joint_drift.h"
 #include "mbs_process/make_side.h"
 #include "mbs_process/spring_stability.h"
 #include "orchestrator/commands.h"
@@ -138,6 +139,9 @@ std::string check_coupled(const ScenarioOptions& options) {
     }
   }
   if (const auto warning = mbs::spring_warning(mbs->params())) {
+    text += "  warning: " + *warning + "\n";
+  }
+  if (const auto warning = mbs::drift_warning(mbs->params(), to_seconds(model.run.duration))) {
     text += "  warning: " + *warning + "\n";
   }
   if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {

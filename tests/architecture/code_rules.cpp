@@ -42,7 +42,7 @@ struct Confinement {
 };
 const std::vector<Confinement>& confinements() {
   static const std::vector<Confinement> kConfinements{
-      {"ode/", {"mbs_process/ode_world."}},
+      {"ode/", {"mbs_process/ode_world.", "mbs_process/ode_joint."}},
       {"lcm/", {"protocol/wire/"}},
       {"tandem_wire/", {"protocol/wire/"}},
       {"cholmod", {"fem_process/cholmod_solver."}},

@@ -247,6 +247,22 @@ TEST(Check, WarnsOfASpringThatTheStepCannotFollow) {
   EXPECT_NE(run.output.find("spring 'stay' is too stiff"), std::string::npos) << run.output;
 }
 
+// ½ r w² h²/erp of the crank of 0.1 m at three turns per second, with steps of 1 ms: 8.88e-4 of it.
+TEST(Check, WarnsOfAPinThatTheStepLeavesOffItsCircle) {
+  const std::vector<std::string> check = {"check", kExamples + "slider_crank/scenario.yaml"};
+  const Ended fine = tandem_command(check);
+  EXPECT_EQ(fine.code, 0) << fine.output;
+  EXPECT_EQ(fine.output.find("warning"), std::string::npos) << fine.output;
+  std::vector<std::string> coarse = check;
+  coarse.insert(coarse.end(), {"--set", "run.macro_step_s=0.001"});
+  const Ended warned = tandem_command(coarse);
+  EXPECT_EQ(warned.code, 0) << warned.output;
+  EXPECT_NE(warned.output.find(
+                "warning: joint 'crank_pin' will be off by about 8.88e-05 m: at 18.85 rad/s"),
+            std::string::npos)
+      << warned.output;
+}
+
 TEST(Check, TakesAScenarioForTheFlexibleSideAlone) {
   const Ended ended = tandem_command({"check", kExamples + "hinge/scenario.yaml"});
   EXPECT_EQ(ended.code, 0) << ended.output;

@@ -47,6 +47,14 @@ struct Fault {
 
 TEST(MbsParams, SoundOnesPass) { EXPECT_NO_THROW(check(sound_params())); }
 
+TEST(MbsParams, RangesOfSeveralTurnsAndMotorsThatYieldBetweenThemPass) {
+  Params params = sound_params();
+  params.joints[0].limits = {{1, -4.0, 20.0}};
+  params.joints[0].motor = MotorParams{
+      .kind = MotorParams::Kind::Speed, .law = constant(1.0), .axis = 1, .max_effort = 5.0};
+  EXPECT_NO_THROW(check(params));
+}
+
 TEST(MbsParams, EveryFaultIsNamed) {
   const MotorParams motor{.kind = MotorParams::Kind::Speed, .law = constant(1.0)};
   const std::vector<Fault> faults = {
@@ -82,10 +90,6 @@ TEST(MbsParams, EveryFaultIsNamed) {
        },
        "excludes 0"},
       {[](Params& p) {
-         p.joints[0].limits = {{1, -4.0, 1.0}};
-       },
-       "beyond ±π"},
-      {[](Params& p) {
          p.joints[0].limits = {{2, -1.0, 1.0}};
        },
        "axis 2 does not exist"},
@@ -97,7 +101,7 @@ TEST(MbsParams, EveryFaultIsNamed) {
          p.joints[0].motor = motor;
          p.joints[0].limits = {{1, -1.0, 1.0}};
        },
-       "both a motor and limits"},
+       "Give it max_torque_Nm"},
       {[&](Params& p) {
          p.joints[0].motor = motor;
          p.joints[0].motor->axis = 2;
@@ -159,6 +163,18 @@ TEST(MbsFailure, AWrenchThatIsNotFiniteFailsAndLeavesTheStateAlone) {
     EXPECT_NE(result.message.find("wrench is not finite"), std::string::npos) << result.message;
     EXPECT_EQ(world.observe().state_hash, before);
   }
+}
+
+// The time of a failure is told in full, of however short a step.
+TEST(MbsFailure, NamesItsTimeToTheNanosecond) {
+  Params params = sound_params();
+  params.macro_step = SimTime(123);
+  RigidWorld world(params);
+  run(world, SimTime(123), 3, WrenchSet(1));
+  WrenchSet bad(1);
+  bad[0].f_P_W.x() = std::numeric_limits<double>::quiet_NaN();
+  const auto result = world.advance(step_of(SimTime(123), WrenchSet(1), bad));
+  EXPECT_NE(result.message.find("t = 3.69e-07 s."), std::string::npos) << result.message;
 }
 
 // Overflow inside ODE ends in a failed assertion or in infinities, depending on where it happens;
