@@ -12,11 +12,9 @@
 namespace tandem::orchestrator {
 namespace {
 
-/// A residual that no longer falls is round-off when it is below this part of the wrench, or below
-/// kNegligible_N (a system without forces has no scale of its own), or what the rounding of the
-/// motions makes.
+/// A residual that no longer falls is round-off when it is below this part of the wrench, or what
+/// the rounding of the motions makes, or what the floor knows.
 constexpr double kRoundOffResidual = 1e-9;
-constexpr double kNegligible_N = 1e-9;
 /// Less than this from one iteration to the next is no Newton step: the port has turned too far.
 constexpr double kFast = 0.1;
 constexpr std::int32_t kMostIterations = 30;
@@ -40,7 +38,7 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
   double round_off_N = 0.0;
   double smallest_N = std::numeric_limits<double>::infinity();
   bool linearize = true;
-  floor_.begin_step();
+  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
     const Evaluation evaluation =
@@ -53,8 +51,8 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
     }
     // Newton's residual falls by orders of magnitude until round-off; then it only wavers.
     const bool falls = end.residual_N <= kFast * smallest_N;
-    const bool small = end.residual_N <= std::max({kNegligible_N, round_off_N,
-                                                   kRoundOffResidual * evaluation.wrench_N});
+    const bool small =
+        end.residual_N <= std::max(round_off_N, kRoundOffResidual * evaluation.wrench_N);
     const bool wavers = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N);
     if (end.residual_N == 0.0 || (small && !falls) || wavers) return end;
     if (k == kMostIterations) {

@@ -18,8 +18,9 @@ namespace {
 
 /// Far above what first-order steps make in any run of use.
 constexpr double kMostCreated = 100.0;
-/// A model at rest has nothing but round-off.
-constexpr double kNegligible_J = 1e-9;
+/// A model at rest has nothing but round-off: its forces at motions far below this part of its
+/// size.
+constexpr double kStill = 1e-9;
 
 /// The ledger of one macro step from what both sides' meters booked and the wall time of its parts.
 Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s) {
@@ -217,8 +218,18 @@ class CoupledRun {
     state_.history.insert(state_.history.begin(), {state_.time, state_.motions, state_.wrenches});
     if (state_.history.size() > InterfaceState::kHistory) state_.history.pop_back();
     state_.time = t_end;
+    book_moment(end);
     state_.motions = end.motions;
     state_.wrenches = end.wrenches;
+  }
+
+  /// The model's scale of energy: its wrench over its size.
+  void book_moment(const MacroStepEnd& end) {
+    double size_m = 0.0;
+    for (std::size_t i = 0; i < ports_.size(); ++i) {
+      size_m = std::max(size_m, end.motions[i].p_WP.norm() + ports_[i].length_m);
+    }
+    largest_moment_J_ = std::max(largest_moment_J_, size_m * wrench_norm_N(end.wrenches, ports_));
   }
 
   [[nodiscard]] bool observes_at(std::int64_t macro_step) const {
@@ -249,7 +260,7 @@ class CoupledRun {
                            std::max(0.0, -raised_J) +
                            std::abs(b.external_work_J - a.external_work_J);
     // Written so that an energy that is no number fails, too.
-    if (held_J <= kMostCreated * given_J + kNegligible_J) return;
+    if (held_J <= kMostCreated * given_J + kStill * largest_moment_J_) return;
     stop(RunStatus::Diverged,
          fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {:.0f} times "
                      "what the run began with and was given ({:.3g} J). The steps make energy: "
@@ -284,6 +295,7 @@ class CoupledRun {
   std::optional<StepController> controller_;  ///< of adaptive steps
   InterfaceState state_;
   RunReport report_;
+  double largest_moment_J_ = 0.0;  ///< of all accepted macro steps
   double last_record_s_ = 0.0, last_wait_s_ = 0.0;
 };
 

@@ -230,7 +230,8 @@ scenario::Key coupling_keys() {
            .by_default(std::to_string(d.max_iterations)),
        real("tolerance_N", "N")
            .doc_is("Absolute part of the residual that counts as converged; torques are divided by "
-                   "the port length.")
+                   "the port length. 0: the relative part and round-off alone, which have the "
+                   "scale of the model.")
            .at_least(0.0)
            .by_default(number(d.tolerance_N)),
        real("relative_tolerance", "")
@@ -255,7 +256,8 @@ scenario::Key coupling_keys() {
            .by_default(name_of(kIterations, d.iteration)),
        real("tolerance_m_per_s", "m/s")
            .doc_is("Absolute part of the velocity residual of parallel iterations that counts as "
-                   "converged; angular velocities are multiplied by the port length.")
+                   "converged; angular velocities are multiplied by the port length. 0: the "
+                   "relative part, and what the wrench's own tolerance makes of the velocity.")
            .at_least(0.0)
            .by_default(number(d.tolerance_m_per_s)),
        quasi_newton_key(), jacobian_key(), retained_inertia_key(), tlm_key(), adaptive_key(),

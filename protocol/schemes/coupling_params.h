@@ -67,11 +67,13 @@ struct CouplingParams {
   Prediction motion_prediction = Prediction::Linear;  ///< of the motions, in parallel schemes
   std::int32_t max_iterations = 50;
   /// Converged when ‖r‖ ≤ tolerance_N + relative_tolerance · ‖λ‖ with r = Λ(M(λ)) − λ and torques
-  /// scaled by the port lengths.
-  double tolerance_N = 1e-11;
+  /// scaled by the port lengths. No number of newtons is small for every model: the absolute part
+  /// is none unless the scenario sets it, and where the wrench vanishes round-off ends the step.
+  double tolerance_N = 0.0;
   double relative_tolerance = kFixedStepTolerance;
-  /// Absolute part of the velocity residual of parallel iterations that counts as converged.
-  double tolerance_m_per_s = 1e-12;
+  /// Absolute part of the velocity residual of parallel iterations that counts as converged; none
+  /// unless the scenario sets it, see Implicit.
+  double tolerance_m_per_s = 0.0;
   Iteration iteration = Iteration::Serial;
   Relaxation relaxation = Relaxation::Aitken;
   double relaxation_factor = 0.5;  ///< constant factor, or Aitken's first one

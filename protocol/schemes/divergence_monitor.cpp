@@ -18,6 +18,19 @@ std::vector<double> energy_defects_J(SimTime H, const MacroStepEnd& end) {
   return defects;
 }
 
+bool keeps_its_motion(SimTime H, const MotionSet& begin, const MotionSet& end,
+                      const std::vector<PortInfo>& ports) {
+  constexpr double kStill = 1e-9;
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    const double change_m_per_s = (end[i].v_WP - begin[i].v_WP).norm() +
+                                  ports[i].length_m * (end[i].w_WP - begin[i].w_WP).norm();
+    const double size_m = end[i].p_WP.norm() + ports[i].length_m;
+    // Written so that a change that is no number is none of round-off.
+    if (!(to_seconds(H) * change_m_per_s <= kStill * size_m)) return false;
+  }
+  return true;
+}
+
 DivergenceMonitor::DivergenceMonitor(double growth, std::vector<PortInfo> ports)
     : growth_(growth), ports_(std::move(ports)) {}
 
@@ -29,7 +42,9 @@ std::optional<std::string> DivergenceMonitor::check(SimTime H, const MacroStepEn
   }
   const double residual_N =
       std::max(end.residual_N, std::exchange(last_residual_N_, end.residual_N));
-  if (residual_N <= std::max(kNegligible_N, 0.5 * wrench_norm_N(end.wrenches, ports_))) {
+  const MotionSet last_motions = std::exchange(last_motions_, end.motions);
+  const bool still = last_motions.empty() || keeps_its_motion(H, last_motions, end.motions, ports_);
+  if (still || residual_N <= 0.5 * wrench_norm_N(end.wrenches, ports_)) {
     streak_ = 0;
     return std::nullopt;
   }

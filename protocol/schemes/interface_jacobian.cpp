@@ -66,7 +66,7 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {
   WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
-  floor_.begin_step();
+  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
   fem_block_.turn_with(state.motions);
   Linearize linearize{.mbs = mbs_block_.begin_step(H),
                       .fem = fem_block_.begin_step(H, micro_steps_of(fem, H))};

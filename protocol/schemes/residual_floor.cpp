@@ -14,9 +14,10 @@ constexpr double kFading = 0.95;
 
 }  // namespace
 
-void ResidualFloor::begin_step() {
+void ResidualFloor::begin_step(double wrench_N) {
   idle_ = 0;
-  smallest_N_ = scale_N_ = 0.0;
+  smallest_N_ = 0.0;
+  scale_N_ = largest_N_ = std::max(largest_N_, wrench_N);
   floor_N_ *= kFading;
 }
 

@@ -11,8 +11,6 @@ namespace {
 constexpr double kSafety = 0.9;
 constexpr double kMostShrink = 0.3;
 constexpr double kMostGrowth = 2.0;
-/// Below this an interface is at rest and any step is good.
-constexpr double kNegligible_J = 1e-15;
 /// Of the interface energy over a streak of steps that overshoot.
 constexpr double kUnstableGrowth = 10.0;
 /// Of the interface energy from one step that overshoots to the next: fewer such steps than a
@@ -91,15 +89,16 @@ double StepController::ratio_of(SimTime H, const MacroStepEnd& end, const Interf
                                 double largest_wrench_N) const {
   const double allowed_m = coupling_.adaptive.tolerance * size_m_;
   double error = position_error_m(H, end, begin) / allowed_m;
-  if (!iterates_) {
-    error = std::max(error, created_J(H, end) / (allowed_m * largest_wrench_N + kNegligible_J));
-  }
+  const double defect_J = iterates_ ? 0.0 : created_J(H, end);
+  // Without any wrench there is none.
+  if (defect_J > 0.0) error = std::max(error, defect_J / (allowed_m * largest_wrench_N));
   return std::sqrt(error);
 }
 
-bool StepController::swings_up(SimTime H, const MacroStepEnd& end) const {
+bool StepController::swings_up(SimTime H, const MacroStepEnd& end,
+                               const InterfaceState& begin) const {
   const double before_J = std::max(created_J_[0], created_J_[1]);
-  return explicit_ && before_J > kNegligible_J &&
+  return explicit_ && before_J > 0.0 && !keeps_its_motion(H, begin.motions, end.motions, ports_) &&
          end.residual_N > 0.5 * wrench_norm_N(end.wrenches, ports_) &&
          created_J(H, end) > kMostSwing * before_J;
 }
@@ -120,7 +119,8 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const Interface
   if (known) {
     largest_wrench_N = std::max(largest_wrench_N, wrench_norm_N(end.wrenches, ports_));
     ratio = ratio_of(H, end, begin, largest_wrench_N);
-    if (end.outcome == Outcome::NotConverged || swings_up(H, end)) ratio = std::max(ratio, 2.0);
+    if (end.outcome == Outcome::NotConverged || swings_up(H, end, begin))
+      ratio = std::max(ratio, 2.0);
   }
   ratio = std::max(ratio, kLeastRatio);
   if (ratio > 1.0 && H > shortest_) {

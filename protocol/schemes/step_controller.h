@@ -59,7 +59,8 @@ class StepController {
   [[nodiscard]] SimTime rounded(double step_ns) const;
   [[nodiscard]] double ratio_of(SimTime H, const MacroStepEnd& end, const InterfaceState& begin,
                                 double largest_wrench_N) const;
-  [[nodiscard]] bool swings_up(SimTime H, const MacroStepEnd& end) const;
+  [[nodiscard]] bool swings_up(SimTime H, const MacroStepEnd& end,
+                               const InterfaceState& begin) const;
   void limit_where_unstable(SimTime H, const MacroStepEnd& end);
   [[nodiscard]] double position_error_m(SimTime H, const MacroStepEnd& end,
                                         const InterfaceState& begin) const;
