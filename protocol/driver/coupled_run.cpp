@@ -128,9 +128,10 @@ class CoupledRun {
       H = params_.run.macro_step;
       return scheme_->advance(H, state_, mbs_, fem_);
     }
+    const SimTime target = next_target();
     std::int32_t discarded_iterations = 0;
     for (;;) {
-      H = controller_->step(params_.run.duration - state_.time);
+      H = controller_->step(target - state_.time);
       MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
       end.iterations += discarded_iterations;
       if (controller_->accepts(H, end, state_)) {
@@ -143,6 +144,18 @@ class CoupledRun {
       mbs_.rollback();
       fem_.rollback();
     }
+  }
+
+  /// The next event of the scenario, on the grid of the steps at or before it, or the end of the
+  /// run. Where one is due now, the controller begins anew.
+  SimTime next_target() {
+    const SimTime unit = controller_->shortest();
+    for (const SimTime event : params_.run.events) {
+      const SimTime before = event / unit * unit;
+      if (before > state_.time) return std::min(before, params_.run.duration);
+      if (before == state_.time) controller_->restart();
+    }
+    return params_.run.duration;
   }
 
   static double defect_J(SimTime H, const MacroStepEnd& end) {

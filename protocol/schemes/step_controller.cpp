@@ -49,8 +49,9 @@ StepController::StepController(const CouplingParams& params, SimTime first_step,
       monitor_(kUnstableGrowth, ports_),
       shortest_(params.adaptive.min_step.value_or(std::max(first_step / 32, SimTime(1)))),
       longest_(params.adaptive.max_step.value_or(32 * first_step)),
-      next_(first_step) {
-  next_ = rounded(static_cast<double>(first_step.count()));
+      next_(first_step),
+      first_(first_step) {
+  next_ = first_ = rounded(static_cast<double>(first_step.count()));
 }
 
 double StepController::position_error_m(SimTime H, const MacroStepEnd& end,
@@ -92,6 +93,10 @@ double StepController::ratio_of(SimTime H, const MacroStepEnd& end, const Interf
   const double defect_J = iterates_ ? 0.0 : created_J(H, end);
   // Without any wrench there is none.
   if (defect_J > 0.0) error = std::max(error, defect_J / (allowed_m * largest_wrench_N));
+  if (explicit_ && end.residual_N > 0.0) {
+    const double steps = to_seconds(H) / to_seconds(first_);
+    error = std::max(error, steps * end.residual_N / largest_wrench_N);
+  }
   return std::sqrt(error);
 }
 
