@@ -10,6 +10,7 @@
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
 #include "protocol/schemes/divergence_monitor.h"
+#include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/step_controller.h"
 #include "protocol/wire/journaled_side.h"
 
@@ -108,9 +109,11 @@ class CoupledRun {
                           .outcome = end.outcome};
     judge(n, H, t_end, end);
     step.ledger = step_ledger(mbs_meter_, fem_meter_, now_s() - start_s);
-    report_.book(step, exchanged_J(H, end));
+    report_.book(step);
     record(step, start_s);
-    if (report_.status == RunStatus::Done) accept(n, t_end, end);
+    if (report_.status != RunStatus::Done) return;
+    report_.book_interface(step.energy_defect_J, exchanged_J(H, end));
+    accept(n, t_end, end);
   }
 
   void take_commands(std::int64_t n) {
@@ -287,6 +290,9 @@ class CoupledRun {
     if (report_.status == RunStatus::Done) {
       mbs_.checkpoint();
       fem_.checkpoint();
+    } else {
+      // The books and the hash are those of the last accepted state.
+      roll_back(mbs_, fem_);
     }
     observe(report_.energy_end);
     if (report_.status == RunStatus::Done) judge_energy();

@@ -216,6 +216,30 @@ TEST(ExplicitSerial, IsStoppedWithTheReasonOnTheLug) {
   }
 }
 
+// What a run that is stopped says of its end is what a run says that ends before the failed macro
+// step: neither the energy books nor the hash hold what was not accepted.
+TEST(StoppedRun, HasTheBooksAndTheHashOfItsLastAcceptedState) {
+  const std::string lug = "lug/scenario.yaml";
+  const std::vector<CoupledPair::Overrides> stops = {
+      {{"coupling.scheme", "explicit_serial"}},
+      {{"coupling.scheme", "implicit"}, {"coupling.max_iterations", "19"}}};
+  for (const CoupledPair::Overrides& overrides : stops) {
+    const RunReport stopped = run(lug, Mode::Inproc, overrides).report;
+    ASSERT_NE(stopped.status, RunStatus::Done);
+    ASSERT_GT(stopped.macro_steps, 0) << stopped.message;
+    CoupledPair::Overrides until_then = overrides;
+    until_then.push_back({"run.duration_s", text_of(to_seconds(stopped.simulated))});
+    const RunReport done = run(lug, Mode::Inproc, until_then).report;
+    ASSERT_EQ(done.macro_steps, stopped.macro_steps);
+    EXPECT_EQ(stopped.state_hash, done.state_hash);
+    EXPECT_EQ(stopped.energy_end.sum().total_J(), done.energy_end.sum().total_J());
+    EXPECT_EQ(stopped.energy_end.fem.interface_work_J, done.energy_end.fem.interface_work_J);
+    EXPECT_EQ(stopped.energy_end.mbs.interface_work_J, done.energy_end.mbs.interface_work_J);
+    EXPECT_EQ(stopped.interface_defect_sum_J, done.interface_defect_sum_J);
+    EXPECT_EQ(stopped.exchanged_work_J, done.exchanged_work_J);
+  }
+}
+
 // Steel: neither fixed-point scheme has a solution to run to, Newton's has.
 TEST(SteelLug, IsStoppedInFixedPointSchemesAndEqualsMonolithicInNewton) {
   const std::string file = "lug/steel.yaml";
