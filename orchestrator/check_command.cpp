@@ -137,6 +137,7 @@ std::string check_coupled(const ScenarioOptions& options) {
           "every step unless damping outweighs it; use interface_jacobian\n";
     }
   }
+  for (const std::string& note : notes_of(model.coupling)) text += "  warning: " + note + "\n";
   if (const auto warning = mbs::spring_warning(mbs->params())) {
     text += "  warning: " + *warning + "\n";
   }

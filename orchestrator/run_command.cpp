@@ -66,6 +66,11 @@ struct RunCommand {
 
   int run() const {
     const Model model = scenario.load();
+    if (!monolithic) {
+      for (const std::string& note : notes_of(model.coupling)) {
+        std::fprintf(stderr, "warning: %s\n", note.c_str());
+      }
+    }
     const RunDirectory directory = RunDirectory::create(scenario.folder(), model.name);
     const RunOutcome outcome =
         run_model(model, directory, {.mode = mode(), .silent = quiet, .attach = attach});

@@ -37,6 +37,31 @@ Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s)
   return ledger;
 }
 
+/// Why a run has diverged, as far as that can be told, and what helps.
+std::string cause_of(const Divergence& seen, const CouplingParams& coupling,
+                     const std::string& scheme_name) {
+  const bool serial = scheme_name == to_string(SchemeKind::ExplicitSerial);
+  if (!serial && scheme_name != to_string(SchemeKind::ExplicitParallel)) {
+    return "The scheme itself makes no energy: lower run.macro_step_s or the sides' micro_step_s" +
+           std::string(coupling.on_not_converged == OnNotConverged::Accept
+                           ? ", or let coupling.on_not_converged stop the run at the first step "
+                             "that does not converge."
+                           : ".");
+  }
+  const std::string remedy =
+      "use coupling.scheme: interface_jacobian (or implicit), or lower run.macro_step_s.";
+  if (!serial || !(seen.growth_per_step > 1.0)) {
+    return "The coupling is unstable at this step: " + remedy;
+  }
+  return fmt::format(
+      "‖r‖ grew {:.3g} times per macro step, as {} lets it where the flexible side's effective "
+      "mass "
+      "(with H² times its stiffness) is {:.3g} times the rigid one's; the limit with "
+      "coupling.prediction: {} is {:.3g}. Unless a side is unstable by itself, {}",
+      seen.growth_per_step, scheme_name, ratio_of_growth(seen.growth_per_step, coupling.prediction),
+      to_string(coupling.prediction), ratio_of_growth(1.0, coupling.prediction), remedy);
+}
+
 /// One coupled run in progress.
 class CoupledRun {
  public:
@@ -185,10 +210,8 @@ class CoupledRun {
       return;
     }
     if (const auto divergence = monitor_.check(H, end)) {
-      stop(RunStatus::Diverged,
-           located("diverged") + *divergence +
-               ". The coupling is unstable at this step: use coupling.scheme: interface_jacobian "
-               "(or implicit), or lower run.macro_step_s.");
+      stop(RunStatus::Diverged, located("diverged") + divergence->text + ". " +
+                                    cause_of(*divergence, params_.coupling, params_.scheme_name));
       return;
     }
     if (end.outcome == Outcome::NotConverged &&
@@ -277,13 +300,16 @@ class CoupledRun {
                            std::abs(b.external_work_J - a.external_work_J);
     // Written so that an energy that is no number fails, too.
     if (held_J <= kMostCreated * given_J + kStill * largest_moment_J_) return;
+    const std::string share =
+        given_J > 0.0 ? fmt::format("{:.3g} times what the run began with and was given ({:.3g} J)",
+                                    held_J / given_J, given_J)
+                      : "while the run began with none and was given none";
+    const std::string newton = to_string(SchemeKind::InterfaceNewton);
     stop(RunStatus::Diverged,
-         fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {:.0f} times "
-                     "what the run began with and was given ({:.3g} J). The steps make energy: "
-                     "lower run.macro_step_s or the sides' micro_step_s, or use "
-                     "coupling.scheme: interface_jacobian.",
-                     params_.scheme_name, to_seconds(state_.time), held_J, held_J / given_J,
-                     given_J));
+         fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {}. The steps "
+                     "make energy: lower run.macro_step_s or the sides' micro_step_s{}.",
+                     params_.scheme_name, to_seconds(state_.time), held_J, share,
+                     params_.scheme_name == newton ? "" : ", or use coupling.scheme: " + newton));
   }
 
   void finish() {

@@ -68,6 +68,17 @@ std::string number(double x) { return fmt::format("{}", x); }
 }  // namespace
 
 std::string to_string(SchemeKind kind) { return name_of(kSchemes, kind); }
+std::string to_string(Prediction prediction) { return name_of(kPredictions, prediction); }
+
+std::vector<std::string> notes_of(const CouplingParams& params) {
+  const bool explicit_scheme =
+      params.scheme == SchemeKind::ExplicitSerial || params.scheme == SchemeKind::ExplicitParallel;
+  if (params.retained_inertia.factor == 0.0 || explicit_scheme) return {};
+  return {fmt::format(
+      "coupling.retained_inertia.factor: {} has no effect with coupling.scheme: {}: it belongs to "
+      "explicit_serial and explicit_parallel. Leave it out or use one of them.",
+      params.retained_inertia.factor, to_string(params.scheme))};
+}
 
 namespace {
 

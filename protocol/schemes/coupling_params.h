@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/contract/sim_time.h"
 #include "protocol/scenario/key_table.h"
@@ -89,6 +90,10 @@ struct CouplingParams {
 };
 
 [[nodiscard]] std::string to_string(SchemeKind kind);
+[[nodiscard]] std::string to_string(Prediction prediction);
+
+/// What is set and has no effect with the scheme, one sentence each.
+[[nodiscard]] std::vector<std::string> notes_of(const CouplingParams& params);
 [[nodiscard]] scenario::Key coupling_keys();
 [[nodiscard]] CouplingParams read_coupling(const scenario::Node& root);
 

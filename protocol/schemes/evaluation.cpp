@@ -105,4 +105,20 @@ double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem
   return wrench_norm_N(unstack_wrenches(fem.cwiseAbs() * rounded), ports);
 }
 
+double pose_round_off_N(SimTime H, const MotionSet& motions, const InterfaceJacobian& fem,
+                        const std::vector<PortInfo>& ports) {
+  Eigen::VectorXd rounded(12 * static_cast<Eigen::Index>(ports.size()));
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    rounded.segment<12>(12 * static_cast<Eigen::Index>(p)) << Eigen::Vector3d::Zero(),
+        Eigen::Vector3d::Zero(), motions[p].p_WP.cwiseAbs().array() + ports[p].length_m,
+        Eigen::Vector3d::Ones();
+  }
+  rounded *= 4.0 * std::numeric_limits<double>::epsilon() / to_seconds(H);
+  return wrench_norm_N(unstack_wrenches(fem.cwiseAbs() * rounded), ports);
+}
+
+bool looks_like_round_off(double residual_N, double round_off_N) {
+  return residual_N <= 1e3 * round_off_N;
+}
+
 }  // namespace tandem

@@ -58,4 +58,16 @@ void roll_back(MbsSide& mbs, FemSide& fem);
 [[nodiscard]] double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem,
                                         const std::vector<PortInfo>& ports);
 
+/// What the rounding of poses makes of the wrench where the side turns velocities into positions,
+/// N: ε (|p| + ℓ)/H and ε/H through ∂Λ/∂(v, w). A stiff side feels it, its nodes being rounded
+/// there; a heavy one does not. How much of it there is L does not tell: it bounds round-off, no
+/// more.
+[[nodiscard]] double pose_round_off_N(SimTime H, const MotionSet& motions,
+                                      const InterfaceJacobian& fem,
+                                      const std::vector<PortInfo>& ports);
+
+/// Whether a residual that was not brought below its limit looks like round-off of that size: then
+/// no shorter step and no further iteration helps, but a tolerance above it.
+[[nodiscard]] bool looks_like_round_off(double residual_N, double round_off_N);
+
 }  // namespace tandem

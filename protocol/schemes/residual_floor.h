@@ -11,8 +11,9 @@ namespace tandem {
 ///
 /// Never taken for round-off is more than the largest of 1e-10 of the largest residual or wrench of
 /// the macro step or of any accepted wrench before, 100 times what the rounding of the motions
-/// makes of the wrench (a stiff mesh adds up that of its nodes), and 100 tolerance_N where the
-/// scenario sets one (joints may carry far more than the ports). The first two have the model's own
+/// makes of the wrench (a stiff mesh adds up that of its nodes), 4 times what the rounding of the
+/// poses makes of it where velocities carry the stiffness, and 100 tolerance_N where the scenario
+/// sets one (joints may carry far more than the ports). All but the last have the model's own
 /// scale.
 class ResidualFloor {
  public:
@@ -24,8 +25,9 @@ class ResidualFloor {
   /// `wrench_N`: norm of the wrench at the beginning of the macro step.
   void begin_step(double wrench_N);
   /// Whether the residual of the macro step's next evaluation is round-off. ‖Λ‖ is `wrench_N`,
-  /// what the rounding of the motions makes of it `round_off_N`.
-  [[nodiscard]] bool reached(double residual_N, double wrench_N, double round_off_N);
+  /// what the rounding of the motions makes of it `round_off_N`, that of the poses `pose_N`.
+  [[nodiscard]] bool reached(double residual_N, double wrench_N, double round_off_N,
+                             double pose_N = 0.0);
 
  private:
   std::int32_t patience_;

@@ -51,6 +51,40 @@ TEST(ExplicitSerial, IsStableBelowAndStoppedAboveTheMassRatio) {
   EXPECT_NE(report.message.find("interface_jacobian"), std::string::npos) << report.message;
 }
 
+// An error of the wrench grows by the root z of z² = −κ (2z − 1): with κ = 1/2 by (1 + √3)/2
+// = 1.366 per macro step, and from that the message finds κ again, which is above the limit it
+// names.
+TEST(ExplicitSerial, NamesTheMassRatioAndTheLimitOfItsPrediction) {
+  const std::vector<std::pair<Prediction, std::string>> limits = {
+      {Prediction::Hold, "hold is 1."},
+      {Prediction::Linear, "linear is 0.333."},
+      {Prediction::Quadratic, "quadratic is 0.143."}};
+  for (const auto& [prediction, limit] : limits) {
+    Case c{
+        .fem_kg = prediction == Prediction::Hold ? 1.5 : 0.5, .stiffness = 10.0, .duration_s = 0.2};
+    c.coupling = {.scheme = SchemeKind::ExplicitSerial, .prediction = prediction};
+    const RunReport report = run(c);
+    ASSERT_EQ(report.status, RunStatus::Diverged);
+    EXPECT_NE(report.message.find(limit), std::string::npos) << report.message;
+    const std::string before = "times its stiffness) is ";
+    const auto at = report.message.find(before);
+    ASSERT_NE(at, std::string::npos) << report.message;
+    // The first steps of the streak still hold other roots.
+    EXPECT_NEAR(std::stod(report.message.substr(at + before.size())), c.fem_kg, 0.1 * c.fem_kg)
+        << report.message;
+  }
+}
+
+TEST(DivergenceMonitor, FindsTheRatioThatGrowthBelongsTo) {
+  for (const double kappa : {0.5, 1.0, 3.0}) {
+    const double z = kappa + std::sqrt(kappa * kappa + kappa);  // z² = κ (2z + 1)
+    EXPECT_NEAR(ratio_of_growth(z, Prediction::Linear), kappa, 1e-14);
+    EXPECT_EQ(ratio_of_growth(kappa, Prediction::Hold), kappa);
+  }
+  EXPECT_NEAR(ratio_of_growth(1.0, Prediction::Linear), 1.0 / 3.0, 1e-15);
+  EXPECT_NEAR(ratio_of_growth(1.0, Prediction::Quadratic), 1.0 / 7.0, 1e-15);
+}
+
 TEST(DivergenceMonitor, RoundOffOfAModelAtRestIsNoDivergence) {
   // Growth by 1e12 within the streak, but of velocities that move nothing: 1e-11 m of 0.1 m at
   // most.
