@@ -247,9 +247,11 @@ scenario::Key coupling_keys() {
            .by_default(number(d.tolerance_N)),
        real("relative_tolerance", "")
            .doc_is(fmt::format(
-               "Part of the residual that counts as converged, relative to the wrench norm. Left "
-               "out: {}, with adaptive steps {}, which is far below their own error.",
-               CouplingParams::kFixedStepTolerance, CouplingParams::kAdaptiveStepTolerance))
+               "Part of the residual that counts as converged, relative to the largest wrench norm "
+               "up to now. Left out: {} with interface_jacobian, {} with implicit, and {} with "
+               "adaptive steps, which is far below their own error.",
+               CouplingParams::kNewtonTolerance, CouplingParams::kFixedStepTolerance,
+               CouplingParams::kAdaptiveStepTolerance))
            .between(0.0, 1.0),
        choice("relaxation", choices_of(kRelaxations))
            .doc_is("Accelerator of `implicit`: a constant factor, Aitken's adapted one, or a "
@@ -285,6 +287,16 @@ scenario::Key coupling_keys() {
   return scenario::section("coupling", std::move(content)).by_default("{}");
 }
 
+namespace {
+
+double default_tolerance(const AdaptiveParams& adaptive, SchemeKind scheme) {
+  if (adaptive.active()) return CouplingParams::kAdaptiveStepTolerance;
+  return scheme == SchemeKind::InterfaceNewton ? CouplingParams::kNewtonTolerance
+                                               : CouplingParams::kFixedStepTolerance;
+}
+
+}  // namespace
+
 CouplingParams read_coupling(const scenario::Node& root) {
   const scenario::Node node = root.section("coupling");
   const AdaptiveParams adaptive = read_adaptive(node.section("adaptive"));
@@ -294,9 +306,10 @@ CouplingParams read_coupling(const scenario::Node& root) {
       .motion_prediction = value_of(kPredictions, node.text("motion_prediction")),
       .max_iterations = static_cast<std::int32_t>(node.integer("max_iterations")),
       .tolerance_N = node.real("tolerance_N"),
-      .relative_tolerance = node.has("relative_tolerance") ? node.real("relative_tolerance")
-                            : adaptive.active()            ? CouplingParams::kAdaptiveStepTolerance
-                                                           : CouplingParams::kFixedStepTolerance,
+      .relative_tolerance =
+          node.has("relative_tolerance")
+              ? node.real("relative_tolerance")
+              : default_tolerance(adaptive, value_of(kSchemes, node.text("scheme"))),
       .tolerance_m_per_s = node.real("tolerance_m_per_s"),
       .iteration = value_of(kIterations, node.text("iteration")),
       .relaxation = value_of(kRelaxations, node.text("relaxation")),

@@ -77,8 +77,9 @@ void roll_back(MbsSide& mbs, FemSide& fem) {
   fem.rollback();
 }
 
-double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation) {
-  return params.tolerance_N + params.relative_tolerance * evaluation.wrench_N;
+double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation,
+                        double largest_N) {
+  return params.tolerance_N + params.relative_tolerance * std::max(evaluation.wrench_N, largest_N);
 }
 
 MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,

@@ -45,8 +45,11 @@ struct Linearize {
 /// Restores both sides to t_n before a further iteration.
 void roll_back(MbsSide& mbs, FemSide& fem);
 
-/// Tolerance of the residual for the present wrench: tolerance_N + relative_tolerance ‖Λ‖.
-[[nodiscard]] double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation);
+/// Tolerance of the residual: tolerance_N + relative_tolerance max ‖Λ‖, of the present wrench and
+/// of `largest_N`, the largest one accepted so far: a wrench that passes through zero keeps its
+/// scale.
+[[nodiscard]] double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation,
+                                      double largest_N);
 
 /// The evaluation as the end of a macro step.
 [[nodiscard]] MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,

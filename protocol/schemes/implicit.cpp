@@ -164,7 +164,8 @@ MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool acce
     if (cannot_go_on(end)) return end;
     accelerator_->observe(stack(lambda), evaluation.residual);
     round_off.observe(evaluation.motions, evaluation.wrenches);
-    const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
+    const double limit_N =
+        std::max(residual_limit_N(params_, evaluation, floor_.largest_N()), round_off.size_N());
     const bool at_floor =
         floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));
     if (end.residual_N <= limit_N || at_floor) return end;
@@ -207,7 +208,8 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
     round_off.observe(motions, evaluation.wrenches);
     admittance.observe(lambda, evaluation.motions);
     accelerator_->observe(x, r);
-    const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
+    const double limit_N =
+        std::max(residual_limit_N(params_, evaluation, floor_.largest_N()), round_off.size_N());
     const double residual_m_per_s = twist_norm_m_per_s(r.head(n_m), ports_);
     const bool at_floor =
         floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));

@@ -100,7 +100,7 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
       round_off_N = wrench_round_off_N(evaluation.motions, fem_block_.value(), ports_);
       pose_N = pose_round_off_N(H, evaluation.motions, fem_block_.value(), ports_);
     }
-    const double limit_N = residual_limit_N(params_, evaluation) + round_off_N;
+    const double limit_N = residual_limit_N(params_, evaluation, floor_.largest_N()) + round_off_N;
     const bool round_off = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
     if (end.residual_N <= limit_N || round_off) return end;
     if (k == params_.max_iterations) {

@@ -24,6 +24,8 @@ class ResidualFloor {
 
   /// `wrench_N`: norm of the wrench at the beginning of the macro step.
   void begin_step(double wrench_N);
+  /// Largest norm that begin_step() was given so far.
+  [[nodiscard]] double largest_N() const { return largest_N_; }
   /// Whether the residual of the macro step's next evaluation is round-off. ‖Λ‖ is `wrench_N`,
   /// what the rounding of the motions makes of it `round_off_N`, that of the poses `pose_N`.
   [[nodiscard]] bool reached(double residual_N, double wrench_N, double round_off_N,

@@ -117,6 +117,8 @@ void StepController::limit_where_unstable(SimTime H, const MacroStepEnd& end) {
 
 bool StepController::accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin) {
   const auto H_ns = static_cast<double>(H.count());
+  // Shorter than wanted, to end at an event: it says little of the steps after.
+  const bool cut_short = H < next_;
   double ratio = 2.0 / kSafety;  // half the step
   double largest_wrench_N = largest_wrench_N_;
   const bool known =
@@ -135,10 +137,13 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const Interface
     return false;
   }
   if (explicit_ && known) limit_where_unstable(H, end);
-  double factor = kSafety * std::pow(ratio, -0.7) * std::pow(last_ratio_, 0.4);
-  factor = std::clamp(factor, kMostShrink, was_rejected_ ? 1.0 : kMostGrowth);
-  next_ = rounded(H_ns * factor);
-  last_ratio_ = ratio;
+  beyond_tolerance_ = ratio > 1.0;
+  if (!cut_short || beyond_tolerance_) {
+    double factor = kSafety * std::pow(ratio, -0.7) * std::pow(last_ratio_, 0.4);
+    factor = std::clamp(factor, kMostShrink, was_rejected_ ? 1.0 : kMostGrowth);
+    next_ = rounded(H_ns * factor);
+    last_ratio_ = ratio;
+  }
   largest_wrench_N_ = largest_wrench_N;
   was_rejected_ = false;
   return true;

@@ -54,8 +54,11 @@ class StepController {
   /// exactly.
   [[nodiscard]] SimTime step(SimTime remaining) const;
 
-  /// Something begins now: the step is no longer than the first one.
-  void restart() { next_ = std::min(next_, first_); }
+  /// Something begins now, which explicit schemes hear of a step later: theirs is no longer than
+  /// the first one.
+  void restart() {
+    if (explicit_) next_ = std::min(next_, first_);
+  }
 
   /// All steps but the last before an event or the end are whole multiples of it.
   [[nodiscard]] SimTime shortest() const { return shortest_; }
@@ -66,7 +69,7 @@ class StepController {
   bool accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin);
 
   /// Whether the step accepted last was beyond the tolerance: it could not be made shorter.
-  [[nodiscard]] bool beyond_tolerance() const { return last_ratio_ > 1.0; }
+  [[nodiscard]] bool beyond_tolerance() const { return beyond_tolerance_; }
 
  private:
   [[nodiscard]] SimTime rounded(double step_ns) const;
@@ -88,6 +91,7 @@ class StepController {
   SimTime shortest_, longest_, next_, first_;
   double largest_wrench_N_ = 0.0;
   double last_ratio_ = 1.0;
+  bool beyond_tolerance_ = false;
   bool was_rejected_ = false;
 };
 
