@@ -10,16 +10,6 @@ namespace {
 
 constexpr double kReach = 100.0;  // recommended steps lie between H/100 and 100 H
 
-/// Next smaller number of the form 1, 2, 5 × 10ⁿ.
-double nice_below(double value) {
-  const double decade = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double digit : {5.0, 2.0, 1.0}) {
-    if (digit * decade <= value * (1.0 + 1e-9))
-      return std::stod(fmt::format("{:.0e}", digit * decade));
-  }
-  return decade;
-}
-
 SchemeAdvice judge(const PrecisionRow& coarse, const PrecisionRow& fine, const WorkPrecision& trial,
                    const Advice& advice) {
   SchemeAdvice scheme{.scheme = coarse.scheme,
@@ -100,6 +90,62 @@ void recommend(Advice& advice) {
   }
 }
 
+/// Wall time of a macro step of the recommended scheme in the trial runs, the longest one.
+double wall_per_step_s(const WorkPrecision& trial, const std::string& scheme) {
+  double longest = 1e-6;
+  for (const PrecisionRow& row : trial.rows) {
+    if (row.scheme != scheme || row.macro_steps == 0) continue;
+    longest = std::max(longest, row.wall_s / static_cast<double>(row.macro_steps));
+  }
+  return longest;
+}
+
+void explain_check(double length_s, double allowed_s, Advice& advice) {
+  const StepCheck& check = advice.check;
+  for (const StepTrial& trial : check.trials) {
+    if (trial.objection().empty()) continue;
+    advice.reasons.push_back(fmt::format("H = {:g} s is too long: in a run over {:g} s {}",
+                                         trial.step_s, trial.simulated_s, trial.objection()));
+  }
+  if (check.step_s == 0.0) {
+    advice.undecided.push_back(fmt::format(
+        "whether this step stands up to a run over {:g} s: no step did within {:g} s of wall time. "
+        "Raise --check-s.",
+        length_s, allowed_s));
+    return;
+  }
+  const StepTrial& good = check.trials.back();
+  advice.macro_step_s = good.step_s;
+  advice.reasons.push_back(fmt::format(
+      "a run with it over {:g} s is solved; nothing turns by more than {:.2g} rad per step, and "
+      "half the step changes the port motions by {:.2g} of their travel and the peak of the "
+      "flexible body's elastic energy by {:.2g} of it",
+      good.simulated_s, good.turn_rad, good.port_change, good.elastic_change()));
+  if (!check.whole_run) {
+    advice.undecided.push_back(fmt::format(
+        "what happens after {:g} s of the run's {:g} s: {:g} s of wall time do not reach further. "
+        "Raise --check-s.",
+        good.simulated_s, length_s, allowed_s));
+  }
+  if (good.elastic_peak_J == 0.0) {
+    advice.undecided.push_back(
+        "whether the step resolves the flexible body's own motion: it has no elastic energy here");
+  }
+}
+
+/// Shortens the recommended step until a run stands up to it.
+void check_recommendation(const LoadTrial& load, const AdviseOptions& options, double length_s,
+                          const WorkPrecision& trial, Advice& advice) {
+  advice.check = check_step(load, {.scheme = advice.scheme,
+                                   .step_s = advice.macro_step_s,
+                                   .length_s = length_s,
+                                   .wall_per_step_s = wall_per_step_s(trial, advice.scheme),
+                                   .most_s = options.check_s,
+                                   .shortest_s = advice.step_s / kReach,
+                                   .folder = options.folder / "check"});
+  explain_check(length_s, options.check_s, advice);
+}
+
 }  // namespace
 
 Advice advise(const LoadTrial& load, const AdviseOptions& options) {
@@ -136,6 +182,7 @@ Advice advise(const LoadTrial& load, const AdviseOptions& options) {
     advice.schemes.push_back(judge(trial.rows[i], trial.rows[i + 1], trial, advice));
   }
   recommend(advice);
+  check_recommendation(load, options, to_seconds(model.run.duration), trial, advice);
   return advice;
 }
 

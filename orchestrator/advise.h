@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "orchestrator/advise_check.h"
 #include "orchestrator/explicit_limit.h"
 #include "orchestrator/interface_ratios.h"
 #include "orchestrator/work_precision.h"
@@ -14,6 +15,7 @@ namespace tandem::orchestrator {
 struct AdviseOptions {
   double accuracy = 1e-3;          ///< wanted error of port positions relative to their travel
   std::int64_t trial_steps = 100;  ///< length of the trial runs in macro steps of the scenario
+  double check_s = 60.0;           ///< wall time for runs over the scenario's length
   std::filesystem::path folder;    ///< holds the trial runs and advise.json
 };
 
@@ -45,11 +47,13 @@ struct Advice {
   std::string scheme;         ///< recommended
   double macro_step_s = 0.0;  ///< recommended
   std::vector<std::string> reasons;
+  StepCheck check;                     ///< of the recommended step, by runs with it
+  std::vector<std::string> undecided;  ///< what the runs could not tell
 };
 
 /// Measures the coupling at every port from the two interface derivatives, predicts where the
 /// explicit scheme stays stable, tries the schemes for a while in process, and recommends a scheme
-/// and a macro step.
+/// and a macro step, which it shortens until it stands up to a run over the scenario's length.
 [[nodiscard]] Advice advise(const LoadTrial& load, const AdviseOptions& options);
 
 [[nodiscard]] nlohmann::ordered_json advice_json(const Advice& advice);

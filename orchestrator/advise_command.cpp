@@ -22,6 +22,8 @@ struct AdviseCommand {
   [[nodiscard]] Model load(const std::string& scheme, double step_s, double duration_s) const {
     ScenarioOptions changed = scenario;
     changed.sets.emplace_back("coupling.adaptive.tolerance=0");
+    changed.sets.emplace_back("output.energy_every_steps=1");
+    changed.sets.emplace_back("output.bodies_every_steps=1");
     if (!scheme.empty()) changed.scheme = scheme;
     if (step_s > 0.0) changed.sets.push_back(fmt::format("run.macro_step_s={}", step_s));
     if (duration_s > 0.0) changed.sets.push_back(fmt::format("run.duration_s={}", duration_s));
@@ -56,6 +58,10 @@ void add_advise(CLI::App& app) {
   sub->add_option("--trial-steps", command->options.trial_steps,
                   "Length of the trial runs in macro steps")
       ->check(whole_number_between(1, 1000000))
+      ->capture_default_str();
+  sub->add_option("--check-s", command->options.check_s,
+                  "Wall time for runs of the recommended step over the scenario's length (s)")
+      ->check(number_above_zero())
       ->capture_default_str();
   sub->add_option("--out", command->scenario.out, "Folder [runs/<scenario>/advise-<UTC time>]");
   sub->footer("Both sides run in this process; nothing is sent.");

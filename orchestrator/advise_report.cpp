@@ -34,6 +34,23 @@ ordered_json scheme_json(const SchemeAdvice& scheme) {
           {"exchanges_per_simulated_s", scheme.exchanges_per_second}};
 }
 
+ordered_json check_json(const StepCheck& check) {
+  ordered_json json = {{"macro_step_s", check.step_s},
+                       {"whole_run", check.whole_run},
+                       {"trials", ordered_json::array()}};
+  for (const StepTrial& trial : check.trials) {
+    json["trials"].push_back({{"macro_step_s", trial.step_s},
+                              {"simulated_s", trial.simulated_s},
+                              {"status", trial.status},
+                              {"turn_rad_per_step", trial.turn_rad},
+                              {"elastic_peak_J", trial.elastic_peak_J},
+                              {"elastic_peak_at_half_step_J", trial.elastic_peak_half_J},
+                              {"port_change", trial.port_change},
+                              {"objection", trial.objection()}});
+  }
+  return json;
+}
+
 }  // namespace
 
 ordered_json advice_json(const Advice& advice) {
@@ -41,7 +58,9 @@ ordered_json advice_json(const Advice& advice) {
                        {"recommended",
                         {{"scheme", advice.scheme},
                          {"macro_step_s", advice.macro_step_s},
-                         {"reasons", advice.reasons}}},
+                         {"reasons", advice.reasons},
+                         {"undecided", advice.undecided}}},
+                       {"check", check_json(advice.check)},
                        {"accuracy", advice.accuracy},
                        {"trial_macro_step_s", advice.trial_step_s},
                        {"largest_travel_m", advice.travel_m},
@@ -88,6 +107,9 @@ std::string advice_text(const Advice& advice) {
                  advice.scheme, advice.macro_step_s);
   for (const std::string& reason : advice.reasons) {
     fmt::format_to(std::back_inserter(text), "  * {}\n", reason);
+  }
+  for (const std::string& open : advice.undecided) {
+    fmt::format_to(std::back_inserter(text), "  not decided: {}\n", open);
   }
   return text;
 }

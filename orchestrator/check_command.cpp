@@ -100,12 +100,15 @@ std::string describe(const fem::Model& model, const MotionSet& origins) {
 }
 
 std::string describe(const fem::ancf::BeamParams& params, const fem::ancf::BeamSystem& system) {
+  const auto warning = fem::ancf::bending_warning(params.model);
   return fmt::format(
-      "  beams: {} elements of {:.4g} × {:.4g} × {:.4g} m, {} unknowns, {:.4g} kg, {} wheel(s), {} "
-      "ground(s)\n",
-      system.mesh().elements.size(), system.mesh().elements.front().length_m,
-      params.model.section.width_m, params.model.section.height_m, system.mesh().unknowns(),
-      system.mass_kg(), params.wheels.size(), params.grounds.size());
+             "  beams: {} elements of {:.4g} × {:.4g} × {:.4g} m, {} unknowns, {:.4g} kg, {} "
+             "wheel(s), {} "
+             "ground(s)\n",
+             system.mesh().elements.size(), system.mesh().elements.front().length_m,
+             params.model.section.width_m, params.model.section.height_m, system.mesh().unknowns(),
+             system.mass_kg(), params.wheels.size(), params.grounds.size()) +
+         (warning ? "  warning: " + *warning + "\n" : "");
 }
 
 /// A scenario for `tandem fem` alone.
@@ -138,6 +141,7 @@ std::string check_coupled(const ScenarioOptions& options) {
           "every step unless damping outweighs it; use interface_jacobian\n";
     }
   }
+  for (const std::string& note : notes_of(model.coupling)) text += "  warning: " + note + "\n";
   if (const auto warning = mbs::spring_warning(mbs->params())) {
     text += "  warning: " + *warning + "\n";
   }

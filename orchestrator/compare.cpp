@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "protocol/contract/error.h"
 
@@ -99,14 +100,20 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
 
-RatioSpread ratio(const ComparedRuns& a, const ComparedRuns& b) {
+Spread spread_of(std::vector<double> values) {
+  if (values.empty()) return {};
+  const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+  Spread spread{.min = *least, .max = *greatest, .repetitions = values.size()};
+  spread.median = median(std::move(values));
+  return spread;
+}
+
+Spread ratio(const ComparedRuns& a, const ComparedRuns& b) {
   std::vector<double> ratios;
   for (std::size_t i = 0; i < std::min(a.wall_s.size(), b.wall_s.size()); ++i) {
     ratios.push_back(a.wall_s[i] / b.wall_s[i]);
   }
-  if (ratios.empty()) return {};
-  const auto [least, greatest] = std::minmax_element(ratios.begin(), ratios.end());
-  return {.median = median(ratios), .min = *least, .max = *greatest};
+  return spread_of(std::move(ratios));
 }
 
 double largest_distance_m(const ComparedRuns& a, const ComparedRuns& b) {

@@ -44,11 +44,27 @@ struct Comparison {
 [[nodiscard]] Comparison compare(const std::function<Model(const std::string& scheme)>& load,
                                  const CompareOptions& options);
 
-/// Ratio of wall times a/b, repetition by repetition: median, least, greatest.
-struct RatioSpread {
+/// Of one number per interleaved repetition: median, least, greatest. With n repetitions the true
+/// median lies outside of [min, max] with a probability of 2^(1 − n).
+struct Spread {
   double median = 0.0, min = 0.0, max = 0.0;
+  std::size_t repetitions = 0;
+  /// Whether all repetitions agree that the number is not `value`; a single one tells nothing.
+  [[nodiscard]] bool differs_from(double value) const {
+    return repetitions > 1 && (min > value || max < value);
+  }
 };
-[[nodiscard]] RatioSpread ratio(const ComparedRuns& a, const ComparedRuns& b);
+[[nodiscard]] Spread spread_of(std::vector<double> values);
+/// Ratio of wall times a/b, repetition by repetition.
+[[nodiscard]] Spread ratio(const ComparedRuns& a, const ComparedRuns& b);
+/// What a macro step over LCM takes longer than in process, repetition by repetition (µs).
+[[nodiscard]] Spread transfer_us_per_step(const ComparedRuns& lcm, const ComparedRuns& inproc);
+/// What the ledger of the median repetition over LCM books as transfer and synchronisation, i.e.
+/// encode, decode, publish, transit and wait (µs per macro step).
+[[nodiscard]] double booked_transfer_us(const ComparedRuns& lcm);
+/// The price of co-simulation in words, for the table: intervals, or that they are not resolved.
+[[nodiscard]] std::string price_text(const std::string& scheme, const ComparedRuns& mono,
+                                     const ComparedRuns& inproc, const ComparedRuns& lcm);
 [[nodiscard]] double median(std::vector<double> values);
 
 /// Largest |p_WP| distance (m) between two runs over all macro steps and ports that both have.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "orchestrator/compare.h"
+#include "orchestrator/summary_number.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -17,14 +18,8 @@ double per_step_us(const ComparedRuns& runs) {
   return 1e6 * median(runs.wall_s) / static_cast<double>(steps);
 }
 
-/// Median over the repetitions of what a macro step over LCM costs more than in process (µs).
-double transfer_us_per_step(const ComparedRuns& lcm, const ComparedRuns& inproc) {
-  std::vector<double> extra_s;
-  for (std::size_t i = 0; i < lcm.wall_s.size(); ++i) {
-    extra_s.push_back(lcm.wall_s[i] - inproc.wall_s[i]);
-  }
-  const auto steps = std::max<std::int64_t>(1, lcm.summary.at("macro_steps").get<std::int64_t>());
-  return 1e6 * median(extra_s) / static_cast<double>(steps);
+double steps_of(const ComparedRuns& runs) {
+  return std::max(1.0, runs.summary.at("macro_steps").get<double>());
 }
 
 ordered_json run_json(const ComparedRuns& runs) {
@@ -34,22 +29,36 @@ ordered_json run_json(const ComparedRuns& runs) {
   return json;
 }
 
-ordered_json spread_json(const RatioSpread& spread) {
+ordered_json spread_json(const Spread& spread) {
   return {{"median", spread.median}, {"min", spread.min}, {"max", spread.max}};
+}
+
+/// "7.3 % (6.1 … 13.5 %)" of a ratio, or that it is not resolved.
+std::string percent_text(const Spread& ratio) {
+  const auto percent = [](double value) { return 100.0 * (value - 1.0); };
+  const std::string interval =
+      fmt::format("{:+.1f} … {:+.1f} %", percent(ratio.min), percent(ratio.max));
+  if (ratio.repetitions < 2) return fmt::format("{:+.1f} %, once", percent(ratio.median));
+  if (!ratio.differs_from(1.0)) return "not resolved, " + interval;
+  return fmt::format("{:+.1f} %, {}", percent(ratio.median), interval);
 }
 
 ordered_json scheme_json(const Comparison& comparison, const std::string& scheme) {
   const ComparedRuns& mono = comparison.find(Mode::Monolithic, scheme);
   const ComparedRuns& inproc = comparison.find(Mode::Inproc, scheme);
   const ComparedRuns& lcm = comparison.find(Mode::Lcm, scheme);
-  const RatioSpread over_inproc = ratio(lcm, inproc);
-  const RatioSpread over_mono = ratio(lcm, mono);
+  const Spread over_inproc = ratio(lcm, inproc);
+  const Spread over_mono = ratio(lcm, mono);
+  const Spread transfer = transfer_us_per_step(lcm, inproc);
   ordered_json json;
   json["runs"] = {
       {"monolithic", run_json(mono)}, {"inproc", run_json(inproc)}, {"lcm", run_json(lcm)}};
   json["overhead"] = {{"lcm_over_inproc", over_inproc.median},
                       {"lcm_over_monolithic", over_mono.median},
-                      {"transfer_us_per_step", transfer_us_per_step(lcm, inproc)},
+                      {"transfer_us_per_step", transfer.median},
+                      {"transfer_us_per_step_spread", spread_json(transfer)},
+                      {"transfer_resolved", transfer.differs_from(0.0)},
+                      {"booked_transfer_us_per_step", booked_transfer_us(lcm)},
                       {"lcm_over_inproc_spread", spread_json(over_inproc)},
                       {"lcm_over_monolithic_spread", spread_json(over_mono)}};
   json["difference"] = {{"lcm_vs_inproc_max", largest_difference(lcm, inproc)},
@@ -129,17 +138,16 @@ void append_price(std::string& table, const Comparison& comparison, const std::s
   const ComparedRuns& inproc = comparison.find(Mode::Inproc, scheme);
   const ComparedRuns& lcm = comparison.find(Mode::Lcm, scheme);
   if (lcm.exit_code != 0 || inproc.exit_code != 0) return;
-  const RatioSpread over_inproc = ratio(lcm, inproc);
-  const RatioSpread over_mono = ratio(lcm, mono);
+  const Spread over_inproc = ratio(lcm, inproc);
+  const Spread over_mono = ratio(lcm, mono);
   const double difference = largest_difference(lcm, inproc);
   fmt::format_to(
       std::back_inserter(table),
-      "\n{}: transfer and synchronisation cost {:.1f} µs per macro step\n"
+      "\n{}"
       "  lcm / in-process  {:.3f}  ({:.3f} … {:.3f})   the same scheme: {}\n"
       "  lcm / monolithic  {:.3f}  ({:.3f} … {:.3f})   port positions differ by at most {:.2e} m\n"
       "  one exchange: median {:.1f} µs, p99 {:.1f} µs; {} messages, {} bytes, {} sent again\n",
-      scheme, transfer_us_per_step(lcm, inproc), over_inproc.median, over_inproc.min,
-      over_inproc.max,
+      price_text(scheme, mono, inproc, lcm), over_inproc.median, over_inproc.min, over_inproc.max,
       difference == 0.0 ? "every port value has the same bits"
                         : fmt::format("VALUES DIFFER by up to {:.3e}", difference),
       over_mono.median, over_mono.min, over_mono.max, largest_distance_m(lcm, mono),
@@ -151,6 +159,44 @@ void append_price(std::string& table, const Comparison& comparison, const std::s
 }
 
 }  // namespace
+
+Spread transfer_us_per_step(const ComparedRuns& lcm, const ComparedRuns& inproc) {
+  std::vector<double> extra_us;
+  for (std::size_t i = 0; i < std::min(lcm.wall_s.size(), inproc.wall_s.size()); ++i) {
+    extra_us.push_back(1e6 * (lcm.wall_s[i] - inproc.wall_s[i]) / steps_of(lcm));
+  }
+  return spread_of(std::move(extra_us));
+}
+
+double booked_transfer_us(const ComparedRuns& lcm) {
+  double sum_s = 0.0;
+  for (const char* key : {"encode", "decode", "publish", "transit", "wait"}) {
+    sum_s += number_at(lcm.summary.at("ledger_s"), key);
+  }
+  return 1e6 * sum_s / steps_of(lcm);
+}
+
+std::string price_text(const std::string& scheme, const ComparedRuns& mono,
+                       const ComparedRuns& inproc, const ComparedRuns& lcm) {
+  const Spread transfer = transfer_us_per_step(lcm, inproc);
+  const std::string interval = fmt::format("{:.1f} … {:.1f} µs in {} repetition(s)", transfer.min,
+                                           transfer.max, transfer.repetitions);
+  const std::string difference =
+      transfer.differs_from(0.0)
+          ? fmt::format("{:.1f} µs per macro step ({})", transfer.median, interval)
+          : fmt::format(
+                "not resolved by the difference of wall times per macro step ({}): raise "
+                "--repeat or quiet the machine",
+                interval);
+  const bool compared = mono.exit_code == 0;
+  return fmt::format(
+      "{}: cost of transfer and synchronisation: {}\n"
+      "  the ledger's own sum of it (encode, decode, publish, transit, wait): {:.1f} µs per macro "
+      "step\n"
+      "  conclusion: the run over LCM takes {} against the same scheme in process{}\n",
+      scheme, difference, booked_transfer_us(lcm), percent_text(ratio(lcm, inproc)),
+      compared ? ", and " + percent_text(ratio(lcm, mono)) + " against the monolithic run" : "");
+}
 
 ordered_json compare_json(const Comparison& comparison) {
   const std::vector<std::string> schemes = schemes_of(comparison);

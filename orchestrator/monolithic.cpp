@@ -6,17 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "protocol/schemes/evaluation.h"
 
 namespace tandem::orchestrator {
 namespace {
 
-/// A residual that no longer falls is round-off when it is below this part of the wrench, or below
-/// kNegligible_N (a system without forces has no scale of its own), or what the rounding of the
-/// motions makes.
+/// A residual that no longer falls is round-off when it is below this part of the wrench, or what
+/// the rounding of the motions makes, or what the floor knows.
 constexpr double kRoundOffResidual = 1e-9;
-constexpr double kNegligible_N = 1e-9;
 /// Less than this from one iteration to the next is no Newton step: the port has turned too far.
 constexpr double kFast = 0.1;
 constexpr std::int32_t kMostIterations = 30;
@@ -31,16 +30,29 @@ Eigen::MatrixXd coupled_matrix(const InterfaceJacobian& mbs, const InterfaceJaco
   return matrix;
 }
 
+MacroStepEnd not_converged(MacroStepEnd end, double round_off_N) {
+  end.outcome = Outcome::NotConverged;
+  end.message = fmt::format(
+      "monolithic: ‖r‖ = {:.3g} N after {} iterations. {}", end.residual_N, end.iterations,
+      looks_like_round_off(end.residual_N, round_off_N)
+          ? fmt::format("It wavers about the round-off of the port motions, {:.3g} N of wrench, "
+                        "without repeating: move the model nearer to the origin, or lower "
+                        "run.macro_step_s.",
+                        round_off_N)
+          : "A joint limit or contact switches within the step: lower run.macro_step_s.");
+  return end;
+}
+
 }  // namespace
 
 MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                      FemSide& fem) {
   WrenchSet lambda = predict_wrenches(Prediction::Linear, state, H);
   Eigen::PartialPivLU<Eigen::MatrixXd> coupled;
-  double round_off_N = 0.0;
+  double round_off_N = 0.0, pose_N = 0.0;
   double smallest_N = std::numeric_limits<double>::infinity();
   bool linearize = true;
-  floor_.begin_step();
+  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
     const Evaluation evaluation =
@@ -50,21 +62,16 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
     if (linearize) {
       coupled.compute(coupled_matrix(evaluation.mbs_jacobian, evaluation.fem_jacobian));
       round_off_N = wrench_round_off_N(evaluation.motions, evaluation.fem_jacobian, ports_);
+      pose_N = pose_round_off_N(H, evaluation.motions, evaluation.fem_jacobian, ports_);
     }
     // Newton's residual falls by orders of magnitude until round-off; then it only wavers.
     const bool falls = end.residual_N <= kFast * smallest_N;
-    const bool small = end.residual_N <= std::max({kNegligible_N, round_off_N,
-                                                   kRoundOffResidual * evaluation.wrench_N});
-    const bool wavers = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N);
+    const bool small =
+        end.residual_N <= std::max(round_off_N, kRoundOffResidual * evaluation.wrench_N);
+    const bool wavers = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
     if (end.residual_N == 0.0 || (small && !falls) || wavers) return end;
     if (k == kMostIterations) {
-      end.outcome = Outcome::NotConverged;
-      end.message = fmt::format(
-          "monolithic: ‖r‖ = {:.3g} N after {} iterations. A joint limit or contact switches "
-          "within "
-          "the step: lower run.macro_step_s.",
-          end.residual_N, k);
-      return end;
+      return not_converged(std::move(end), std::max(round_off_N, pose_N));
     }
     linearize = !falls;
     smallest_N = std::min(smallest_N, end.residual_N);

@@ -39,7 +39,10 @@ double Recorder::record(wire::StepJournal journal) {
 void Recorder::book(const wire::StepRecord& step, AcceptedInterface accepted) {
   if (step.macro_step > 0) {
     const double power_W = interface_power_W(accepted.wrenches, accepted.motions);
-    so_far_.book(step, to_seconds(step.step) * std::abs(power_W));
+    so_far_.book(step);
+    if (step.outcome != Outcome::Failed) {
+      so_far_.book_interface(step.energy_defect_J, to_seconds(step.step) * std::abs(power_W));
+    }
     so_far_.ledger += step.ledger;
     so_far_.wall_s += step.ledger.named_s() + step.ledger.other_s;
   }

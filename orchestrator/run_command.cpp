@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "fem_process/ancf/ancf_keys.h"
+#include "fem_process/ancf/beam_params.h"
 #include "mbs_process/make_side.h"
 #include "mbs_process/spring_stability.h"
 #include "orchestrator/commands.h"
@@ -66,12 +68,27 @@ struct RunCommand {
 
   int run() const {
     const Model model = scenario.load();
+    if (!monolithic) {
+      for (const std::string& note : notes_of(model.coupling)) {
+        std::fprintf(stderr, "warning: %s\n", note.c_str());
+      }
+    }
+    warn_of_bending(model);
     const RunDirectory directory = RunDirectory::create(scenario.folder(), model.name);
     const RunOutcome outcome =
         run_model(model, directory, {.mode = mode(), .silent = quiet, .attach = attach});
     report(outcome, directory);
     if (outcome.exit_code == 3) note_springs(model, outcome);
     return outcome.exit_code;
+  }
+
+  /// A chain that locks runs all the same, and its result looks good.
+  static void warn_of_bending(const Model& model) {
+    if (model.scenario.root.section("fem").text("model") != "ancf") return;
+    const fem::ancf::BeamParams params = fem::ancf::read_beam_params(model.scenario.root);
+    if (const auto warning = fem::ancf::bending_warning(params.model)) {
+      std::fprintf(stderr, "warning: %s\n", warning->c_str());
+    }
   }
 
   /// What springs make unstable, the coupling's own monitors may notice first and blame on

@@ -5,7 +5,7 @@ target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE
 target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 tandem_test(coupled_unit
-  SOURCES unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp
+  SOURCES unit/compare_price.cpp unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp
   LIBS coupled_support LABELS unit)
 tandem_test(coupled_convergence
   SOURCES convergence/coupled_adaptive.cpp convergence/coupled_free_pair.cpp convergence/coupled_orders.cpp

@@ -336,11 +336,10 @@ std::vector<BeamKernel::Reference> BeamKernel::references(const BeamMesh& mesh,
         for (int lane = 0; lane < kLanes; ++lane) {
           const auto& vectors =
               mesh.reference[static_cast<std::size_t>(std::min(batch.first + lane, last))];
-          const Eigen::Matrix3d J0 =
-              vectors * shape_gradients(batch.length[lane], station.xi, point.y, point.z);
-          const Eigen::Matrix3d inverse = J0.inverse();
-          for (int k = 0; k < 9; ++k) reference.inverse.at[k][lane] = inverse(k / 3, k % 3);
-          reference.determinant[lane] = J0.determinant();
+          const StressFree at =
+              stress_free(vectors, batch.length[lane], station.xi, point.y, point.z);
+          for (int k = 0; k < 9; ++k) reference.inverse.at[k][lane] = at.inverse(k / 3, k % 3);
+          reference.determinant[lane] = at.volume;
         }
         all.push_back(reference);
       }

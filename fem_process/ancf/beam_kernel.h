@@ -37,7 +37,8 @@ struct LaneCoordinates {
 
 /// Elastic and viscous forces of all beam elements, four elements side by side.
 ///   f_a = ∫ P ∇s_a dV,   K_ab,ik = ∫ ∂_J s_a (∂P_iJ/∂F_kL + θ ∂P_iJ/∂F'_kL) ∂_L s_b dV
-/// F = J_e J₀⁻¹ with J_e = Σ e_a ⊗ ∇s_a. Because s_a is linear in y and z, F at a station x depends
+/// F = J_e J₀⁻¹ with J_e = Σ e_a ⊗ ∇s_a, the columns of F in the axes of the stress-free section
+/// (StressFree). Because s_a is linear in y and z, F at a station x depends
 /// on five vectors only, r_x, r_y, r_z of the axis and the derivatives of the last two along x: the
 /// points of a section are summed up to resultants that belong to these, then spread to the nodes.
 class BeamKernel {
@@ -68,7 +69,7 @@ class BeamKernel {
     std::vector<Station> stations;
     std::vector<Point> points;
   };
-  /// J₀⁻¹ and det J₀ of a point, per lane.
+  /// J₀⁻¹ and volume of a point, per lane: see StressFree.
   struct Reference {
     alignas(kLaneAlignment) LaneMatrix inverse;
     alignas(kLaneAlignment) Lanes determinant;

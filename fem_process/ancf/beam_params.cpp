@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 
 #include "protocol/contract/error.h"
@@ -44,7 +46,49 @@ void require_shallow(const Overlap& overlap, double height_m, const std::string&
                       who, overlap.depth_m, overlap.element, 0.5 * height_m, remedy));
 }
 
+/// Whether the section at the end of an element is also that of the next one's beginning.
+bool shares_section(const BeamElement& element, const BeamElement& next) {
+  const auto vector_of = [](const BeamElement& e, int slot) {
+    const auto term = std::find_if(e.terms.begin(), e.terms.end(),
+                                   [slot](const Term& t) { return t.slot == slot; });
+    return term->vector;
+  };
+  constexpr int kFirstNormal = 3, kLastNormal = 7;
+  return vector_of(element, kLastNormal) == vector_of(next, kFirstNormal);
+}
+
 }  // namespace
+
+std::optional<std::string> bending_warning(const BeamModel& model) {
+  constexpr double kMost = 0.05;
+  const BeamMesh& mesh = model.mesh;
+  double worst = 0.0, worst_angle = 0.0;
+  for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
+    const BeamElement& next = mesh.elements[(e + 1) % mesh.elements.size()];
+    if (mesh.elements.size() > 1 && !shares_section(mesh.elements[e], next) &&
+        e + 1 < mesh.elements.size()) {
+      return std::nullopt;
+    }
+    const BeamVectors vectors = mesh.gather(static_cast<int>(e), mesh.q0);
+    const Eigen::Vector3d first = vectors.col(3), last = vectors.col(7);
+    const double angle = std::atan2(first.cross(last).norm(), first.dot(last));
+    const double slenderness = mesh.elements[e].length_m / model.section.height_m;
+    const double part = std::pow(angle * slenderness, 2) / 10.0;
+    if (part > worst) {
+      worst = part;
+      worst_angle = angle;
+    }
+  }
+  if (worst <= kMost) return std::nullopt;
+  const auto n = static_cast<double>(mesh.elements.size());
+  return fmt::format(
+      "fem.ancf.chain.elements: {} elements bend by up to {:.3g} rad each as the chain lies, and "
+      "locking in thickness makes them {:.2g} times as stiff in bending as the band is. {} "
+      "elements "
+      "or more keep that below {:g} %; where the bending stiffness does not matter, leave it.",
+      mesh.elements.size(), worst_angle, 1.0 + worst,
+      static_cast<long>(std::ceil(n * std::pow(worst / kMost, 0.25))), 100.0 * kMost);
+}
 
 void check_teeth(const BeamParams& params) {
   const BeamMesh& mesh = params.model.mesh;

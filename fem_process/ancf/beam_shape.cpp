@@ -1,5 +1,6 @@
 #include "fem_process/ancf/beam_shape.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
@@ -36,6 +37,23 @@ Eigen::Matrix<double, kVectors, 3> shape_gradients(double length_m, double xi, d
   gradient.row(6) << y / length_m, xi, 0.0;
   gradient.row(7) << z / length_m, 0.0, xi;
   return gradient;
+}
+
+StressFree stress_free(const BeamVectors& reference, double length_m, double xi, double y,
+                       double z) {
+  const Eigen::Matrix3d J0 = reference * shape_gradients(length_m, xi, y, z);
+  Eigen::Matrix3d axes;
+  axes.col(2) = J0.col(2).normalized();
+  axes.col(0) = J0.col(1).cross(J0.col(2)).normalized();
+  axes.col(1) = axes.col(2).cross(axes.col(0));
+  const auto area = [&](int slot) {
+    return Eigen::Vector3d(reference.col(slot))
+        .cross(Eigen::Vector3d(reference.col(slot + 1)))
+        .norm();
+  };
+  const double between = (1.0 - xi) * area(2) + xi * area(6);
+  const double here = Eigen::Vector3d(J0.col(1)).cross(Eigen::Vector3d(J0.col(2))).norm();
+  return {.inverse = J0.inverse() * axes, .volume = J0.determinant() * between / here};
 }
 
 GaussRule gauss_rule(int n) {
@@ -85,7 +103,8 @@ ScalarMass mass_matrix(double density_kg_per_m3, double length_m, const BeamSect
 ScalarMass mass_matrix(double density_kg_per_m3, double length_m, const BeamSection& section,
                        const BeamVectors& reference) {
   ScalarMass m = ScalarMass::Zero();
-  // s_a s_b has degree 6 along x and 2 across, det J₀ up to degree 5 and 2.
+  // s_a s_b has degree 6 along x and 2 across, det J₀ up to degree 5 and 2, over the root of a
+  // polynomial that is near one.
   const GaussRule along = gauss_rule(6);
   const GaussRule across = gauss_rule(3);
   for (std::size_t i = 0; i < along.point.size(); ++i) {
@@ -93,10 +112,10 @@ ScalarMass mass_matrix(double density_kg_per_m3, double length_m, const BeamSect
       for (std::size_t k = 0; k < across.point.size(); ++k) {
         const double y = section.width_m * (across.point[j] - 0.5);
         const double z = section.height_m * (across.point[k] - 0.5);
-        const Eigen::Matrix3d J0 = reference * shape_gradients(length_m, along.point[i], y, z);
+        const double volume = stress_free(reference, length_m, along.point[i], y, z).volume;
         const auto s = shape_values(length_m, along.point[i], y, z);
         m += density_kg_per_m3 * along.weight[i] * across.weight[j] * across.weight[k] * length_m *
-             section.area_m2() * J0.determinant() * s * s.transpose();
+             section.area_m2() * volume * s * s.transpose();
       }
     }
   }

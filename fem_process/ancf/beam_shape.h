@@ -31,6 +31,18 @@ using BeamVectors = Eigen::Matrix<double, 3, kVectors>;
 [[nodiscard]] Eigen::Matrix<double, kVectors, 3> shape_gradients(double length_m, double xi,
                                                                  double y, double z);
 
+/// A point of an element whose stress-free vectors are `reference`, J₀ = Σ e_a ⊗ ∇s_a.
+struct StressFree {
+  /// J₀⁻¹ Q₀, Q₀ the axes of the section: z along r_z, x normal to it and r_y. F times it has its
+  /// columns in these axes, where laws that tell them apart need them.
+  Eigen::Matrix3d inverse;
+  /// Per dx dy dz: det J₀ over what its section is smaller than the nodes' ones between which it is
+  /// interpolated: a curved band is as thick between its nodes as there.
+  double volume = 1.0;
+};
+[[nodiscard]] StressFree stress_free(const BeamVectors& reference, double length_m, double xi,
+                                     double y, double z);
+
 /// Points and weights of the Gauss-Legendre rule on [0, 1], exact to degree 2n − 1.
 struct GaussRule {
   std::vector<double> point, weight;
@@ -45,7 +57,7 @@ struct GaussRule {
                                                                     const BeamSection& section);
 
 /// The same by quadrature for an element whose stress-free vectors are `reference`:
-/// dV = det(J₀) dx dy dz.
+/// dV = StressFree::volume dx dy dz.
 [[nodiscard]] Eigen::Matrix<double, kVectors, kVectors> mass_matrix(double density_kg_per_m3,
                                                                     double length_m,
                                                                     const BeamSection& section,

@@ -10,6 +10,7 @@
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
 #include "protocol/schemes/divergence_monitor.h"
+#include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/step_controller.h"
 #include "protocol/wire/journaled_side.h"
 
@@ -18,8 +19,9 @@ namespace {
 
 /// Far above what first-order steps make in any run of use.
 constexpr double kMostCreated = 100.0;
-/// A model at rest has nothing but round-off.
-constexpr double kNegligible_J = 1e-9;
+/// A model at rest has nothing but round-off: its forces at motions far below this part of its
+/// size.
+constexpr double kStill = 1e-9;
 
 /// The ledger of one macro step from what both sides' meters booked and the wall time of its parts.
 Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s) {
@@ -33,6 +35,31 @@ Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s)
   // What the scheme's own code took: its wall time outside of the calls to the sides.
   ledger.scheme_s = advance_s - mbs.duration_s - fem.duration_s;
   return ledger;
+}
+
+/// Why a run has diverged, as far as that can be told, and what helps.
+std::string cause_of(const Divergence& seen, const CouplingParams& coupling,
+                     const std::string& scheme_name) {
+  const bool serial = scheme_name == to_string(SchemeKind::ExplicitSerial);
+  if (!serial && scheme_name != to_string(SchemeKind::ExplicitParallel)) {
+    return "The scheme itself makes no energy: lower run.macro_step_s or the sides' micro_step_s" +
+           std::string(coupling.on_not_converged == OnNotConverged::Accept
+                           ? ", or let coupling.on_not_converged stop the run at the first step "
+                             "that does not converge."
+                           : ".");
+  }
+  const std::string remedy =
+      "use coupling.scheme: interface_jacobian (or implicit), or lower run.macro_step_s.";
+  if (!serial || !(seen.growth_per_step > 1.0)) {
+    return "The coupling is unstable at this step: " + remedy;
+  }
+  return fmt::format(
+      "‖r‖ grew {:.3g} times per macro step, as {} lets it where the flexible side's effective "
+      "mass "
+      "(with H² times its stiffness) is {:.3g} times the rigid one's; the limit with "
+      "coupling.prediction: {} is {:.3g}. Unless a side is unstable by itself, {}",
+      seen.growth_per_step, scheme_name, ratio_of_growth(seen.growth_per_step, coupling.prediction),
+      to_string(coupling.prediction), ratio_of_growth(1.0, coupling.prediction), remedy);
 }
 
 /// One coupled run in progress.
@@ -107,9 +134,11 @@ class CoupledRun {
                           .outcome = end.outcome};
     judge(n, H, t_end, end);
     step.ledger = step_ledger(mbs_meter_, fem_meter_, now_s() - start_s);
-    report_.book(step, exchanged_J(H, end));
+    report_.book(step);
     record(step, start_s);
-    if (report_.status == RunStatus::Done) accept(n, t_end, end);
+    if (report_.status != RunStatus::Done) return;
+    report_.book_interface(step.energy_defect_J, exchanged_J(H, end));
+    accept(n, t_end, end);
   }
 
   void take_commands(std::int64_t n) {
@@ -127,9 +156,10 @@ class CoupledRun {
       H = params_.run.macro_step;
       return scheme_->advance(H, state_, mbs_, fem_);
     }
+    const SimTime target = next_target();
     std::int32_t discarded_iterations = 0;
     for (;;) {
-      H = controller_->step(params_.run.duration - state_.time);
+      H = controller_->step(target - state_.time);
       MacroStepEnd end = scheme_->advance(H, state_, mbs_, fem_);
       end.iterations += discarded_iterations;
       if (controller_->accepts(H, end, state_)) {
@@ -142,6 +172,18 @@ class CoupledRun {
       mbs_.rollback();
       fem_.rollback();
     }
+  }
+
+  /// The next event of the scenario, on the grid of the steps at or before it, or the end of the
+  /// run. Where one is due now, the controller begins anew.
+  SimTime next_target() {
+    const SimTime unit = controller_->shortest();
+    for (const SimTime event : params_.run.events) {
+      const SimTime before = event / unit * unit;
+      if (before > state_.time) return std::min(before, params_.run.duration);
+      if (before == state_.time) controller_->restart();
+    }
+    return params_.run.duration;
   }
 
   static double defect_J(SimTime H, const MacroStepEnd& end) {
@@ -168,10 +210,8 @@ class CoupledRun {
       return;
     }
     if (const auto divergence = monitor_.check(H, end)) {
-      stop(RunStatus::Diverged,
-           located("diverged") + *divergence +
-               ". The coupling is unstable at this step: use coupling.scheme: interface_jacobian "
-               "(or implicit), or lower run.macro_step_s.");
+      stop(RunStatus::Diverged, located("diverged") + divergence->text + ". " +
+                                    cause_of(*divergence, params_.coupling, params_.scheme_name));
       return;
     }
     if (end.outcome == Outcome::NotConverged &&
@@ -217,8 +257,18 @@ class CoupledRun {
     state_.history.insert(state_.history.begin(), {state_.time, state_.motions, state_.wrenches});
     if (state_.history.size() > InterfaceState::kHistory) state_.history.pop_back();
     state_.time = t_end;
+    book_moment(end);
     state_.motions = end.motions;
     state_.wrenches = end.wrenches;
+  }
+
+  /// The model's scale of energy: its wrench over its size.
+  void book_moment(const MacroStepEnd& end) {
+    double size_m = 0.0;
+    for (std::size_t i = 0; i < ports_.size(); ++i) {
+      size_m = std::max(size_m, end.motions[i].p_WP.norm() + ports_[i].length_m);
+    }
+    largest_moment_J_ = std::max(largest_moment_J_, size_m * wrench_norm_N(end.wrenches, ports_));
   }
 
   [[nodiscard]] bool observes_at(std::int64_t macro_step) const {
@@ -249,20 +299,26 @@ class CoupledRun {
                            std::max(0.0, -raised_J) +
                            std::abs(b.external_work_J - a.external_work_J);
     // Written so that an energy that is no number fails, too.
-    if (held_J <= kMostCreated * given_J + kNegligible_J) return;
+    if (held_J <= kMostCreated * given_J + kStill * largest_moment_J_) return;
+    const std::string share =
+        given_J > 0.0 ? fmt::format("{:.3g} times what the run began with and was given ({:.3g} J)",
+                                    held_J / given_J, given_J)
+                      : "while the run began with none and was given none";
+    const std::string newton = to_string(SchemeKind::InterfaceNewton);
     stop(RunStatus::Diverged,
-         fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {:.0f} times "
-                     "what the run began with and was given ({:.3g} J). The steps make energy: "
-                     "lower run.macro_step_s or the sides' micro_step_s, or use "
-                     "coupling.scheme: interface_jacobian.",
-                     params_.scheme_name, to_seconds(state_.time), held_J, held_J / given_J,
-                     given_J));
+         fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {}. The steps "
+                     "make energy: lower run.macro_step_s or the sides' micro_step_s{}.",
+                     params_.scheme_name, to_seconds(state_.time), held_J, share,
+                     params_.scheme_name == newton ? "" : ", or use coupling.scheme: " + newton));
   }
 
   void finish() {
     if (report_.status == RunStatus::Done) {
       mbs_.checkpoint();
       fem_.checkpoint();
+    } else {
+      // The books and the hash are those of the last accepted state.
+      roll_back(mbs_, fem_);
     }
     observe(report_.energy_end);
     if (report_.status == RunStatus::Done) judge_energy();
@@ -284,6 +340,7 @@ class CoupledRun {
   std::optional<StepController> controller_;  ///< of adaptive steps
   InterfaceState state_;
   RunReport report_;
+  double largest_moment_J_ = 0.0;  ///< of all accepted macro steps
   double last_record_s_ = 0.0, last_wait_s_ = 0.0;
 };
 

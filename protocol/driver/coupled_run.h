@@ -48,7 +48,8 @@ struct CoupledRunParams {
 /// The stepping loop of every coupled run, whatever the transport:
 ///   m_0 = M.initialize(0); λ_0 = Λ.initialize(m_0)
 ///   for n = 1 … N:  commands to the flexible side; checkpoint both; scheme makes the macro step;
-///   check divergence; record checkpoint both; observe both
+///   check divergence; record
+///   checkpoint both, or roll both back where the last macro step was not accepted; observe both
 /// The ports' lengths come from the flexible side. Throws only what the sides and the sink throw; a
 /// numerical end is a status of the report, and every macro step made has been recorded.
 [[nodiscard]] RunReport run_coupled(const CoupledRunParams& params, PlacedSide<MbsSide> mbs,

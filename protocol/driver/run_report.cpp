@@ -89,13 +89,16 @@ double transfer_s(const Ledger& l) { return l.encode_s + l.decode_s + l.publish_
 
 }  // namespace
 
-void RunReport::book(const wire::StepRecord& step, double exchanged_J) {
+void RunReport::book(const wire::StepRecord& step) {
   iterations_total += step.iterations;
   iterations_max = std::max<std::int64_t>(iterations_max, step.iterations);
   not_converged_steps += step.outcome == Outcome::NotConverged ? 1 : 0;
   exchange_us.push_back(1e6 * transfer_s(step.ledger) / std::max(1, step.iterations));
-  interface_defect_max_J = std::max(interface_defect_max_J, std::abs(step.energy_defect_J));
-  interface_defect_sum_J += step.energy_defect_J;
+}
+
+void RunReport::book_interface(double defect_J, double exchanged_J) {
+  interface_defect_max_J = std::max(interface_defect_max_J, std::abs(defect_J));
+  interface_defect_sum_J += defect_J;
   exchanged_work_J += exchanged_J;
 }
 

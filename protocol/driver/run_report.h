@@ -43,15 +43,18 @@ struct RunReport {
   double interface_defect_sum_J = 0.0;  ///< Σ δE: net energy created by the interface
   double exchanged_work_J = 0.0;        ///< Σ H |λ·V|: what passed the interface, either way
   SideEnergies energy_start;
-  SideEnergies energy_end;
-  std::uint64_t state_hash = 0;
+  SideEnergies energy_end;       ///< of the last accepted state
+  std::uint64_t state_hash = 0;  ///< likewise
   std::vector<std::string> port_names;
   MotionSet motions;   ///< at the end
   WrenchSet wrenches;  ///< at the end
 
-  /// Books what a macro step took and what its interface did: iterations, transfer time, energy
-  /// defect; with H |λ·V| = `exchanged_J`. Ledger and accepted state are the caller's to add.
-  void book(const wire::StepRecord& step, double exchanged_J);
+  /// Books what a macro step took, accepted or not: iterations and transfer time. Ledger and
+  /// accepted state are the caller's to add.
+  void book(const wire::StepRecord& step);
+
+  /// Books what the interface did in an accepted macro step: δE and H |λ·V|.
+  void book_interface(double defect_J, double exchanged_J);
 
   [[nodiscard]] int exit_code() const { return status == RunStatus::Done ? 0 : 3; }
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "protocol/contract/error.h"
+#include "protocol/scenario/event_times.h"
 
 namespace tandem::scenario {
 namespace {
@@ -68,7 +69,11 @@ Key run_keys() {
   return section("run", std::move(run)).must().doc_is("Duration and macro step.");
 }
 
-RunParams read_run(const Node& root) { return run_of(root.section("run")); }
+RunParams read_run(const Node& root) {
+  RunParams run = run_of(root.section("run"));
+  run.events = event_times(root, run.duration);
+  return run;
+}
 
 Key ports_keys() {
   Section port;

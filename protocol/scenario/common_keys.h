@@ -18,6 +18,9 @@ namespace tandem::scenario {
 struct RunParams {
   SimTime duration{};
   SimTime macro_step{};
+  /// Times within the run at which the scenario says that something begins or ends, in order: the
+  /// corners of ramps and tables, and scheduled changes (`at_s`). Adaptive steps end there.
+  std::vector<SimTime> events = {};
   [[nodiscard]] std::int64_t macro_steps() const { return duration / macro_step; }
 };
 [[nodiscard]] Key run_keys();

@@ -44,6 +44,9 @@ class Node {
   [[nodiscard]] Node section(std::string_view key) const;
   [[nodiscard]] std::vector<Node> list(std::string_view key) const;
 
+  /// The mapping itself, for what walks through all of them.
+  [[nodiscard]] const Data& data() const { return *data_; }
+
   /// Name from the root, as --set takes it: "mbs.bodies.crank", with `key` appended when given.
   [[nodiscard]] std::string path_name(std::string_view key = {}) const;
 

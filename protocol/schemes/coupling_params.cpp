@@ -68,6 +68,17 @@ std::string number(double x) { return fmt::format("{}", x); }
 }  // namespace
 
 std::string to_string(SchemeKind kind) { return name_of(kSchemes, kind); }
+std::string to_string(Prediction prediction) { return name_of(kPredictions, prediction); }
+
+std::vector<std::string> notes_of(const CouplingParams& params) {
+  const bool explicit_scheme =
+      params.scheme == SchemeKind::ExplicitSerial || params.scheme == SchemeKind::ExplicitParallel;
+  if (params.retained_inertia.factor == 0.0 || explicit_scheme) return {};
+  return {fmt::format(
+      "coupling.retained_inertia.factor: {} has no effect with coupling.scheme: {}: it belongs to "
+      "explicit_serial and explicit_parallel. Leave it out or use one of them.",
+      params.retained_inertia.factor, to_string(params.scheme))};
+}
 
 namespace {
 
@@ -230,14 +241,17 @@ scenario::Key coupling_keys() {
            .by_default(std::to_string(d.max_iterations)),
        real("tolerance_N", "N")
            .doc_is("Absolute part of the residual that counts as converged; torques are divided by "
-                   "the port length.")
+                   "the port length. 0: the relative part and round-off alone, which have the "
+                   "scale of the model.")
            .at_least(0.0)
            .by_default(number(d.tolerance_N)),
        real("relative_tolerance", "")
            .doc_is(fmt::format(
-               "Part of the residual that counts as converged, relative to the wrench norm. Left "
-               "out: {}, with adaptive steps {}, which is far below their own error.",
-               CouplingParams::kFixedStepTolerance, CouplingParams::kAdaptiveStepTolerance))
+               "Part of the residual that counts as converged, relative to the largest wrench norm "
+               "up to now. Left out: {} with interface_jacobian, {} with implicit, and {} with "
+               "adaptive steps, which is far below their own error.",
+               CouplingParams::kNewtonTolerance, CouplingParams::kFixedStepTolerance,
+               CouplingParams::kAdaptiveStepTolerance))
            .between(0.0, 1.0),
        choice("relaxation", choices_of(kRelaxations))
            .doc_is("Accelerator of `implicit`: a constant factor, Aitken's adapted one, or a "
@@ -255,7 +269,8 @@ scenario::Key coupling_keys() {
            .by_default(name_of(kIterations, d.iteration)),
        real("tolerance_m_per_s", "m/s")
            .doc_is("Absolute part of the velocity residual of parallel iterations that counts as "
-                   "converged; angular velocities are multiplied by the port length.")
+                   "converged; angular velocities are multiplied by the port length. 0: the "
+                   "relative part, and what the wrench's own tolerance makes of the velocity.")
            .at_least(0.0)
            .by_default(number(d.tolerance_m_per_s)),
        quasi_newton_key(), jacobian_key(), retained_inertia_key(), tlm_key(), adaptive_key(),
@@ -272,6 +287,16 @@ scenario::Key coupling_keys() {
   return scenario::section("coupling", std::move(content)).by_default("{}");
 }
 
+namespace {
+
+double default_tolerance(const AdaptiveParams& adaptive, SchemeKind scheme) {
+  if (adaptive.active()) return CouplingParams::kAdaptiveStepTolerance;
+  return scheme == SchemeKind::InterfaceNewton ? CouplingParams::kNewtonTolerance
+                                               : CouplingParams::kFixedStepTolerance;
+}
+
+}  // namespace
+
 CouplingParams read_coupling(const scenario::Node& root) {
   const scenario::Node node = root.section("coupling");
   const AdaptiveParams adaptive = read_adaptive(node.section("adaptive"));
@@ -281,9 +306,10 @@ CouplingParams read_coupling(const scenario::Node& root) {
       .motion_prediction = value_of(kPredictions, node.text("motion_prediction")),
       .max_iterations = static_cast<std::int32_t>(node.integer("max_iterations")),
       .tolerance_N = node.real("tolerance_N"),
-      .relative_tolerance = node.has("relative_tolerance") ? node.real("relative_tolerance")
-                            : adaptive.active()            ? CouplingParams::kAdaptiveStepTolerance
-                                                           : CouplingParams::kFixedStepTolerance,
+      .relative_tolerance =
+          node.has("relative_tolerance")
+              ? node.real("relative_tolerance")
+              : default_tolerance(adaptive, value_of(kSchemes, node.text("scheme"))),
       .tolerance_m_per_s = node.real("tolerance_m_per_s"),
       .iteration = value_of(kIterations, node.text("iteration")),
       .relaxation = value_of(kRelaxations, node.text("relaxation")),

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocol/contract/sim_time.h"
 #include "protocol/scenario/key_table.h"
@@ -59,6 +60,9 @@ struct QuasiNewtonParams {
 /// Section `coupling` of a scenario. Defaults stand here alone; the key table prints them.
 struct CouplingParams {
   static constexpr double kFixedStepTolerance = 1e-12;
+  /// Of interface_jacobian: Newton's method leaves an error of the residual's size, a fixed-point
+  /// iteration one of several times that.
+  static constexpr double kNewtonTolerance = 1e-11;
   /// Of adaptive steps, whose own error is far larger: the wrench's residual adds this part to it.
   static constexpr double kAdaptiveStepTolerance = 1e-8;
 
@@ -66,12 +70,15 @@ struct CouplingParams {
   Prediction prediction = Prediction::Linear;         ///< of the wrenches
   Prediction motion_prediction = Prediction::Linear;  ///< of the motions, in parallel schemes
   std::int32_t max_iterations = 50;
-  /// Converged when ‖r‖ ≤ tolerance_N + relative_tolerance · ‖λ‖ with r = Λ(M(λ)) − λ and torques
-  /// scaled by the port lengths.
-  double tolerance_N = 1e-11;
+  /// Converged when ‖r‖ ≤ tolerance_N + relative_tolerance · max ‖λ‖ with r = Λ(M(λ)) − λ, the
+  /// largest wrench up to now, and torques scaled by the port lengths. No number of newtons is
+  /// small for every model: the absolute part is none unless the scenario sets it, and where the
+  /// wrench vanishes round-off ends the step.
+  double tolerance_N = 0.0;
   double relative_tolerance = kFixedStepTolerance;
-  /// Absolute part of the velocity residual of parallel iterations that counts as converged.
-  double tolerance_m_per_s = 1e-12;
+  /// Absolute part of the velocity residual of parallel iterations that counts as converged; none
+  /// unless the scenario sets it, see Implicit.
+  double tolerance_m_per_s = 0.0;
   Iteration iteration = Iteration::Serial;
   Relaxation relaxation = Relaxation::Aitken;
   double relaxation_factor = 0.5;  ///< constant factor, or Aitken's first one
@@ -87,6 +94,10 @@ struct CouplingParams {
 };
 
 [[nodiscard]] std::string to_string(SchemeKind kind);
+[[nodiscard]] std::string to_string(Prediction prediction);
+
+/// What is set and has no effect with the scheme, one sentence each.
+[[nodiscard]] std::vector<std::string> notes_of(const CouplingParams& params);
 [[nodiscard]] scenario::Key coupling_keys();
 [[nodiscard]] CouplingParams read_coupling(const scenario::Node& root);
 

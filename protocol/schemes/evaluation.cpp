@@ -77,8 +77,9 @@ void roll_back(MbsSide& mbs, FemSide& fem) {
   fem.rollback();
 }
 
-double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation) {
-  return params.tolerance_N + params.relative_tolerance * evaluation.wrench_N;
+double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation,
+                        double largest_N) {
+  return params.tolerance_N + params.relative_tolerance * std::max(evaluation.wrench_N, largest_N);
 }
 
 MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,
@@ -103,6 +104,22 @@ double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem
   }
   rounded *= 4.0 * std::numeric_limits<double>::epsilon();
   return wrench_norm_N(unstack_wrenches(fem.cwiseAbs() * rounded), ports);
+}
+
+double pose_round_off_N(SimTime H, const MotionSet& motions, const InterfaceJacobian& fem,
+                        const std::vector<PortInfo>& ports) {
+  Eigen::VectorXd rounded(12 * static_cast<Eigen::Index>(ports.size()));
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    rounded.segment<12>(12 * static_cast<Eigen::Index>(p)) << Eigen::Vector3d::Zero(),
+        Eigen::Vector3d::Zero(), motions[p].p_WP.cwiseAbs().array() + ports[p].length_m,
+        Eigen::Vector3d::Ones();
+  }
+  rounded *= 4.0 * std::numeric_limits<double>::epsilon() / to_seconds(H);
+  return wrench_norm_N(unstack_wrenches(fem.cwiseAbs() * rounded), ports);
+}
+
+bool looks_like_round_off(double residual_N, double round_off_N) {
+  return residual_N <= 1e3 * round_off_N;
 }
 
 }  // namespace tandem

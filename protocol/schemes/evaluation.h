@@ -45,8 +45,11 @@ struct Linearize {
 /// Restores both sides to t_n before a further iteration.
 void roll_back(MbsSide& mbs, FemSide& fem);
 
-/// Tolerance of the residual for the present wrench: tolerance_N + relative_tolerance ‖Λ‖.
-[[nodiscard]] double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation);
+/// Tolerance of the residual: tolerance_N + relative_tolerance max ‖Λ‖, of the present wrench and
+/// of `largest_N`, the largest one accepted so far: a wrench that passes through zero keeps its
+/// scale.
+[[nodiscard]] double residual_limit_N(const CouplingParams& params, const Evaluation& evaluation,
+                                      double largest_N);
 
 /// The evaluation as the end of a macro step.
 [[nodiscard]] MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,
@@ -57,5 +60,17 @@ void roll_back(MbsSide& mbs, FemSide& fem);
 /// iterated below it. Angles are rounded as numbers of the size of one.
 [[nodiscard]] double wrench_round_off_N(const MotionSet& motions, const InterfaceJacobian& fem,
                                         const std::vector<PortInfo>& ports);
+
+/// What the rounding of poses makes of the wrench where the side turns velocities into positions,
+/// N: ε (|p| + ℓ)/H and ε/H through ∂Λ/∂(v, w). A stiff side feels it, its nodes being rounded
+/// there; a heavy one does not. How much of it there is L does not tell: it bounds round-off, no
+/// more.
+[[nodiscard]] double pose_round_off_N(SimTime H, const MotionSet& motions,
+                                      const InterfaceJacobian& fem,
+                                      const std::vector<PortInfo>& ports);
+
+/// Whether a residual that was not brought below its limit looks like round-off of that size: then
+/// no shorter step and no further iteration helps, but a tolerance above it.
+[[nodiscard]] bool looks_like_round_off(double residual_N, double round_off_N);
 
 }  // namespace tandem

@@ -48,6 +48,37 @@ double twist_norm_m_per_s(const MotionSet& motions, const std::vector<PortInfo>&
   return twist_norm_m_per_s(difference(MotionSet(motions.size()), motions), ports);
 }
 
+/// Largest ‖Δ velocity of the multibody side's answer‖/‖Δλ‖/H so far (1/kg): what an error of the
+/// wrench makes of the velocities. A velocity near zero has no relative tolerance of its own.
+class Admittance {
+ public:
+  /// `kept_per_kg` goes on from macro step to macro step.
+  Admittance(const std::vector<PortInfo>& ports, double H_s, double& kept_per_kg)
+      : ports_(ports), H_s_(H_s), kept_per_kg_(kept_per_kg) {}
+
+  void observe(const WrenchSet& lambda, const MotionSet& answer) {
+    if (!lambda_.empty()) {
+      const Eigen::VectorXd change = stack(lambda) - stack(lambda_);
+      const double change_N = wrench_norm_N(unstack_wrenches(change), ports_);
+      // Smaller changes are round-off themselves.
+      if (change_N > 1e-9 * wrench_norm_N(lambda, ports_)) {
+        const double change_m_per_s = twist_norm_m_per_s(difference(answer_, answer), ports_);
+        kept_per_kg_ = std::max(kept_per_kg_, change_m_per_s / (change_N * H_s_));
+      }
+    }
+    lambda_ = lambda;
+    answer_ = answer;
+  }
+  [[nodiscard]] double s_per_kg() const { return kept_per_kg_ * H_s_; }
+
+ private:
+  const std::vector<PortInfo>& ports_;
+  double H_s_;
+  double& kept_per_kg_;
+  WrenchSet lambda_;
+  MotionSet answer_;
+};
+
 /// What the rounding of motions makes of the wrenches that answer them: ε ‖m‖ times the largest
 /// ‖ΔΛ‖/‖Δm‖ of a macro step's evaluations. With short steps an inertia over H makes that more than
 /// a tolerance, and no iterate comes closer but by accident.
@@ -116,7 +147,7 @@ Implicit::Implicit(const CouplingParams& params, std::vector<PortInfo> ports)
 MacroStepEnd Implicit::advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) {
   const bool accepted = begun_ && state.time > *begun_;
   begun_ = state.time;
-  floor_.begin_step();
+  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
   if (params_.iteration == Iteration::Parallel) return in_parallel(H, state, accepted, mbs, fem);
   return in_turn(H, state, accepted, mbs, fem);
 }
@@ -133,7 +164,8 @@ MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool acce
     if (cannot_go_on(end)) return end;
     accelerator_->observe(stack(lambda), evaluation.residual);
     round_off.observe(evaluation.motions, evaluation.wrenches);
-    const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
+    const double limit_N =
+        std::max(residual_limit_N(params_, evaluation, floor_.largest_N()), round_off.size_N());
     const bool at_floor =
         floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));
     if (end.residual_N <= limit_N || at_floor) return end;
@@ -154,6 +186,9 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
   const Eigen::Index n_m = 2 * n_l;
   Eigen::VectorXd x(n_m + n_l), r(n_m + n_l);
   RoundOff round_off(ports_);
+  Admittance admittance(ports_, to_seconds(H), admittance_per_kg_);
+  // A port that turns back within the step has the velocity that it had.
+  const double begin_m_per_s = twist_norm_m_per_s(state.motions, ports_);
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
     const Evaluation evaluation = evaluate_parallel(H, state, lambda, motions, mbs, fem, ports_);
@@ -171,15 +206,19 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
       accelerator_->begin_step(weights, accepted);
     }
     round_off.observe(motions, evaluation.wrenches);
+    admittance.observe(lambda, evaluation.motions);
     accelerator_->observe(x, r);
-    const double limit_N = std::max(residual_limit_N(params_, evaluation), round_off.size_N());
+    const double limit_N =
+        std::max(residual_limit_N(params_, evaluation, floor_.largest_N()), round_off.size_N());
     const double residual_m_per_s = twist_norm_m_per_s(r.head(n_m), ports_);
-    const double limit_m_per_s =
-        params_.tolerance_m_per_s +
-        params_.relative_tolerance * twist_norm_m_per_s(evaluation.motions, ports_);
     const bool at_floor =
         floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));
     const bool same_wrench = end.residual_N <= limit_N || at_floor;
+    const double limit_m_per_s =
+        params_.tolerance_m_per_s +
+        params_.relative_tolerance *
+            std::max(twist_norm_m_per_s(evaluation.motions, ports_), begin_m_per_s) +
+        admittance.s_per_kg() * (at_floor ? std::max(limit_N, end.residual_N) : limit_N);
     if (same_wrench && residual_m_per_s <= limit_m_per_s) return end;
     if (k == params_.max_iterations) {
       return not_converged(std::move(end), params_,

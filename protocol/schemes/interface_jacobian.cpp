@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -20,13 +21,17 @@ constexpr double kFast = 0.1;
 /// round between pieces of a law (touching or not, stick or slip): they are halved.
 constexpr double kRound = 0.5;
 
-MacroStepEnd not_converged(MacroStepEnd end, double limit_N) {
+MacroStepEnd not_converged(MacroStepEnd end, double limit_N, double round_off_N) {
   end.outcome = Outcome::NotConverged;
   end.message = fmt::format(
-      "interface_jacobian: ‖r‖ = {:.3g} N after {} iterations, limit {:.3g} N. The sides are not "
-      "affine in the port quantities here (contact, joint limits, large rotation per step): lower "
-      "run.macro_step_s or raise coupling.max_iterations.",
-      end.residual_N, end.iterations, limit_N);
+      "interface_jacobian: ‖r‖ = {:.3g} N after {} iterations, limit {:.3g} N. {}", end.residual_N,
+      end.iterations, limit_N,
+      looks_like_round_off(end.residual_N, round_off_N)
+          ? fmt::format("The rounding of the port motions makes {:.3g} N of the wrench, and what "
+                        "is left looks like it: raise coupling.tolerance_N above it.",
+                        round_off_N)
+          : "The sides are not affine in the port quantities here (contact, joint limits, large "
+            "rotation per step): lower run.macro_step_s or raise coupling.max_iterations.");
   return end;
 }
 
@@ -66,12 +71,12 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {
   WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
-  floor_.begin_step();
+  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
   fem_block_.turn_with(state.motions);
   Linearize linearize{.mbs = mbs_block_.begin_step(H),
                       .fem = fem_block_.begin_step(H, micro_steps_of(fem, H))};
   Eigen::PartialPivLU<Eigen::MatrixXd> newton_matrix;
-  double round_off_N = 0.0;
+  double round_off_N = 0.0, pose_N = 0.0;
   double part = 1.0;  // of a Newton step
   double last_residual_N = 0.0;
   double linearised_N = std::numeric_limits<double>::infinity();
@@ -93,11 +98,14 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     if (linearize.fem) fem_block_.take(evaluation.fem_jacobian);
     if (k == 1 || linearize.fem) {
       round_off_N = wrench_round_off_N(evaluation.motions, fem_block_.value(), ports_);
+      pose_N = pose_round_off_N(H, evaluation.motions, fem_block_.value(), ports_);
     }
-    const double limit_N = residual_limit_N(params_, evaluation) + round_off_N;
-    const bool round_off = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N);
+    const double limit_N = residual_limit_N(params_, evaluation, floor_.largest_N()) + round_off_N;
+    const bool round_off = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
     if (end.residual_N <= limit_N || round_off) return end;
-    if (k == params_.max_iterations) return not_converged(std::move(end), limit_N);
+    if (k == params_.max_iterations) {
+      return not_converged(std::move(end), limit_N, std::max(round_off_N, pose_N));
+    }
     if (changed) {
       // r(λ + δ) ≈ r(λ) + (L B − I) δ = 0.
       const Eigen::Index n = evaluation.residual.size();

@@ -7,13 +7,13 @@
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
 #include "protocol/schemes/evaluation.h"
+#include "protocol/schemes/residual_floor.h"
 #include "protocol/schemes/transmission_line.h"
 
 namespace tandem {
 namespace {
 
 constexpr double kTolerance = 1e-12;
-constexpr double kNegligible_N = 1e-11;
 constexpr std::int32_t kMostEvaluations = 30;
 constexpr std::int32_t kPatience = 4;
 
@@ -87,6 +87,11 @@ StepResult<WrenchSet> LineEnd::solve(const StepRequest<MotionSet>& request,
   bool linearize = state_.block.begin_step(request.step);
   MotionSet last_motions;
   Eigen::VectorXd last_lambda;
+  const auto norm_N = [this](const Eigen::VectorXd& x) {
+    return wrench_norm_N(unstack_wrenches(x), info_.ports);
+  };
+  ResidualFloor floor(kPatience, 0.0);
+  floor.begin_step(norm_N(state_.lambda2));
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) inner_->rollback();
     motions = moved(state_.motions, V, H_s);
@@ -98,13 +103,10 @@ StepResult<WrenchSet> LineEnd::solve(const StepRequest<MotionSet>& request,
     if (linearize) state_.block.take(result.jacobian.value());
     const Eigen::VectorXd damped = Z.cwiseProduct(V);
     const Eigen::VectorXd residual = lambda - a2 - damped;
-    const auto norm_N = [this](const Eigen::VectorXd& x) {
-      return wrench_norm_N(unstack_wrenches(x), info_.ports);
-    };
     const double scale_N = std::max({norm_N(a2), norm_N(damped), norm_N(lambda)});
-    const double limit_N = kNegligible_N + kTolerance * scale_N +
-                           wrench_round_off_N(motions, state_.block.value(), info_.ports);
-    if (norm_N(residual) <= limit_N) return result;
+    const double round_off_N = wrench_round_off_N(motions, state_.block.value(), info_.ports);
+    const bool at_floor = floor.reached(norm_N(residual), scale_N, round_off_N);
+    if (norm_N(residual) <= kTolerance * scale_N + round_off_N || at_floor) return result;
     if (k == kMostEvaluations) {
       result.outcome = Outcome::NotConverged;
       result.message = fmt::format(

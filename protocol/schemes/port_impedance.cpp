@@ -6,12 +6,12 @@
 #include <algorithm>
 
 #include "protocol/contract/error.h"
+#include "protocol/schemes/residual_floor.h"
 
 namespace tandem {
 namespace {
 
 constexpr double kTolerance = 1e-12;
-constexpr double kNegligible_N = 1e-12;
 constexpr std::int32_t kMostEvaluations = 30;
 constexpr std::int32_t kPatience = 4;
 
@@ -33,6 +33,11 @@ ImpedanceEnd PortImpedance::advance(SimTime H, const WrenchSet& begin, const Eig
   bool linearize = block_.begin_step(H);
   MotionSet last_motions;
   Eigen::VectorXd last_lambda;
+  const auto norm_N = [this](const Eigen::VectorXd& x) {
+    return wrench_norm_N(unstack_wrenches(x), ports_);
+  };
+  ResidualFloor floor(kPatience, 0.0);
+  floor.begin_step(wrench_norm_N(begin, ports_));
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) mbs.rollback();
     end.result = mbs.advance({.step = H, .input = {begin, end.applied}, .linearize = linearize});
@@ -50,11 +55,9 @@ ImpedanceEnd PortImpedance::advance(SimTime H, const WrenchSet& begin, const Eig
     }
     const Eigen::VectorXd damped = Z * twists(end.result.output);
     const Eigen::VectorXd residual = a - damped - lambda;
-    const auto norm_N = [this](const Eigen::VectorXd& x) {
-      return wrench_norm_N(unstack_wrenches(x), ports_);
-    };
     const double scale_N = std::max({norm_N(a), norm_N(damped), norm_N(lambda)});
-    if (norm_N(residual) <= kNegligible_N + kTolerance * scale_N) return end;
+    const double limit_N = kTolerance * scale_N;
+    if (norm_N(residual) <= limit_N || floor.reached(norm_N(residual), scale_N, 0.0)) return end;
     if (k == kMostEvaluations) {
       end.result.outcome = Outcome::NotConverged;
       end.result.message = fmt::format(

@@ -7,6 +7,7 @@ namespace {
 
 constexpr double kMostRoundOff = 1e-10;
 constexpr double kMostRoundings = 100.0;
+constexpr double kMostPoseRoundings = 4.0;
 /// A residual that wavers reaches twice what it was seen at.
 constexpr double kWavering = 2.0;
 /// So that one odd macro step does not stay the measure of all.
@@ -14,13 +15,14 @@ constexpr double kFading = 0.95;
 
 }  // namespace
 
-void ResidualFloor::begin_step() {
+void ResidualFloor::begin_step(double wrench_N) {
   idle_ = 0;
-  smallest_N_ = scale_N_ = 0.0;
+  smallest_N_ = 0.0;
+  scale_N_ = largest_N_ = std::max(largest_N_, wrench_N);
   floor_N_ *= kFading;
 }
 
-bool ResidualFloor::reached(double residual_N, double wrench_N, double round_off_N) {
+bool ResidualFloor::reached(double residual_N, double wrench_N, double round_off_N, double pose_N) {
   scale_N_ = std::max({scale_N_, residual_N, wrench_N});
   const bool first = smallest_N_ == 0.0;
   if (first || residual_N < 0.5 * smallest_N_) {
@@ -29,8 +31,8 @@ bool ResidualFloor::reached(double residual_N, double wrench_N, double round_off
   } else {
     ++idle_;
   }
-  const double most_N =
-      std::max({negligible_N_, kMostRoundOff * scale_N_, kMostRoundings * round_off_N});
+  const double most_N = std::max({negligible_N_, kMostRoundOff * scale_N_,
+                                  kMostRoundings * round_off_N, kMostPoseRoundings * pose_N});
   if (residual_N > most_N) return false;
   if (residual_N <= floor_N_ && !first) return true;
   if (idle_ < patience_ || residual_N > kWavering * smallest_N_) return false;

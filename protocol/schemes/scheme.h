@@ -58,7 +58,8 @@ class ExplicitParallel final : public Scheme {
 ///   serial (block Gauss–Seidel):  x = λ,       G(x) = Λ(M(λ));
 ///   parallel (block Jacobi):      x = (m, λ),  G(x) = (M(λ), Λ(m)), both sides at the same time.
 /// Converged when ‖Λ − λ‖ is within the tolerance and, in parallel, ‖M − m‖ too: the latter by the
-/// velocities, in m/s.
+/// velocities, in m/s, within relative_tolerance ‖M‖ (or ‖m_n‖) and what the tolerance of the
+/// wrench makes of them by the largest ‖ΔM‖/‖Δλ‖ seen.
 class Implicit final : public Scheme {
  public:
   Implicit(const CouplingParams& params, std::vector<PortInfo> ports);
@@ -75,6 +76,7 @@ class Implicit final : public Scheme {
   std::unique_ptr<Accelerator> accelerator_;
   std::optional<SimTime> begun_;  ///< beginning of the last macro step
   ResidualFloor floor_;
+  double admittance_per_kg_ = 0.0;  ///< of the multibody side at the ports, largest seen
 };
 
 /// Newton's method on r(λ) = Λ(M(λ)) − λ with both sides' interface Jacobians:

@@ -11,8 +11,6 @@ namespace {
 constexpr double kSafety = 0.9;
 constexpr double kMostShrink = 0.3;
 constexpr double kMostGrowth = 2.0;
-/// Below this an interface is at rest and any step is good.
-constexpr double kNegligible_J = 1e-15;
 /// Of the interface energy over a streak of steps that overshoot.
 constexpr double kUnstableGrowth = 10.0;
 /// Of the interface energy from one step that overshoots to the next: fewer such steps than a
@@ -51,8 +49,9 @@ StepController::StepController(const CouplingParams& params, SimTime first_step,
       monitor_(kUnstableGrowth, ports_),
       shortest_(params.adaptive.min_step.value_or(std::max(first_step / 32, SimTime(1)))),
       longest_(params.adaptive.max_step.value_or(32 * first_step)),
-      next_(first_step) {
-  next_ = rounded(static_cast<double>(first_step.count()));
+      next_(first_step),
+      first_(first_step) {
+  next_ = first_ = rounded(static_cast<double>(first_step.count()));
 }
 
 double StepController::position_error_m(SimTime H, const MacroStepEnd& end,
@@ -91,15 +90,20 @@ double StepController::ratio_of(SimTime H, const MacroStepEnd& end, const Interf
                                 double largest_wrench_N) const {
   const double allowed_m = coupling_.adaptive.tolerance * size_m_;
   double error = position_error_m(H, end, begin) / allowed_m;
-  if (!iterates_) {
-    error = std::max(error, created_J(H, end) / (allowed_m * largest_wrench_N + kNegligible_J));
+  const double defect_J = iterates_ ? 0.0 : created_J(H, end);
+  // Without any wrench there is none.
+  if (defect_J > 0.0) error = std::max(error, defect_J / (allowed_m * largest_wrench_N));
+  if (explicit_ && end.residual_N > 0.0) {
+    const double steps = to_seconds(H) / to_seconds(first_);
+    error = std::max(error, steps * end.residual_N / largest_wrench_N);
   }
   return std::sqrt(error);
 }
 
-bool StepController::swings_up(SimTime H, const MacroStepEnd& end) const {
+bool StepController::swings_up(SimTime H, const MacroStepEnd& end,
+                               const InterfaceState& begin) const {
   const double before_J = std::max(created_J_[0], created_J_[1]);
-  return explicit_ && before_J > kNegligible_J &&
+  return explicit_ && before_J > 0.0 && !keeps_its_motion(H, begin.motions, end.motions, ports_) &&
          end.residual_N > 0.5 * wrench_norm_N(end.wrenches, ports_) &&
          created_J(H, end) > kMostSwing * before_J;
 }
@@ -113,6 +117,8 @@ void StepController::limit_where_unstable(SimTime H, const MacroStepEnd& end) {
 
 bool StepController::accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin) {
   const auto H_ns = static_cast<double>(H.count());
+  // Shorter than wanted, to end at an event: it says little of the steps after.
+  const bool cut_short = H < next_;
   double ratio = 2.0 / kSafety;  // half the step
   double largest_wrench_N = largest_wrench_N_;
   const bool known =
@@ -120,7 +126,8 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const Interface
   if (known) {
     largest_wrench_N = std::max(largest_wrench_N, wrench_norm_N(end.wrenches, ports_));
     ratio = ratio_of(H, end, begin, largest_wrench_N);
-    if (end.outcome == Outcome::NotConverged || swings_up(H, end)) ratio = std::max(ratio, 2.0);
+    if (end.outcome == Outcome::NotConverged || swings_up(H, end, begin))
+      ratio = std::max(ratio, 2.0);
   }
   ratio = std::max(ratio, kLeastRatio);
   if (ratio > 1.0 && H > shortest_) {
@@ -130,10 +137,13 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const Interface
     return false;
   }
   if (explicit_ && known) limit_where_unstable(H, end);
-  double factor = kSafety * std::pow(ratio, -0.7) * std::pow(last_ratio_, 0.4);
-  factor = std::clamp(factor, kMostShrink, was_rejected_ ? 1.0 : kMostGrowth);
-  next_ = rounded(H_ns * factor);
-  last_ratio_ = ratio;
+  beyond_tolerance_ = ratio > 1.0;
+  if (!cut_short || beyond_tolerance_) {
+    double factor = kSafety * std::pow(ratio, -0.7) * std::pow(last_ratio_, 0.4);
+    factor = std::clamp(factor, kMostShrink, was_rejected_ ? 1.0 : kMostGrowth);
+    next_ = rounded(H_ns * factor);
+    last_ratio_ = ratio;
+  }
   largest_wrench_N_ = largest_wrench_N;
   was_rejected_ = false;
   return true;

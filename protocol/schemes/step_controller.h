@@ -27,8 +27,14 @@ namespace tandem {
 /// λ the wrench that moved the rigid side, Λ the flexible side's answer. Of order 2 or more. A
 /// converged step creates none.
 ///
-/// With ρ = max(√ε_p, √ε_E), about the step divided by the longest that keeps the tolerance, a step
-/// with ρ > 1 is rejected, and the next one is that of a proportional–integral controller
+/// Explicit schemes: the impulse ‖r‖ H that the rigid side has not been given, or too much, against
+/// that of the largest wrench so far over the first step H₀ (run.macro_step),
+///   ε_r = H ‖r‖ / (H₀ · max ‖Λ‖),
+/// whatever the tolerance: a side at rest moves only in the step after, and creates no energy. The
+/// next steps give the impulse back as far as they are not shorter.
+///
+/// With ρ = max(√ε_p, √ε_E, √ε_r), about the step divided by the longest that keeps the tolerance,
+/// a step with ρ > 1 is rejected, and the next one is that of a proportional–integral controller
 /// [Gustafsson 1991; Söderlind 2002],
 ///   H ← H · clamp(0.9 ρ_n^(−0.7) ρ_{n−1}^0.4, 0.3, 2),
 /// in whole multiples of the shortest step. Integer nanoseconds: the steps are the same in every
@@ -44,8 +50,18 @@ class StepController {
   StepController(const CouplingParams& params, SimTime first_step, std::vector<PortInfo> ports,
                  const MotionSet& start);
 
-  /// The step to make now, so that the end of the run is met exactly.
+  /// The step to make now, so that the next event or the end of the run, after `remaining`, is met
+  /// exactly.
   [[nodiscard]] SimTime step(SimTime remaining) const;
+
+  /// Something begins now, which explicit schemes hear of a step later: theirs is no longer than
+  /// the first one.
+  void restart() {
+    if (explicit_) next_ = std::min(next_, first_);
+  }
+
+  /// All steps but the last before an event or the end are whole multiples of it.
+  [[nodiscard]] SimTime shortest() const { return shortest_; }
 
   /// Judges a macro step of H. True = accept. False = make it again, with the shorter step().
   /// A step that failed or did not converge is made again, too, unless it was the shortest.
@@ -53,13 +69,14 @@ class StepController {
   bool accepts(SimTime H, const MacroStepEnd& end, const InterfaceState& begin);
 
   /// Whether the step accepted last was beyond the tolerance: it could not be made shorter.
-  [[nodiscard]] bool beyond_tolerance() const { return last_ratio_ > 1.0; }
+  [[nodiscard]] bool beyond_tolerance() const { return beyond_tolerance_; }
 
  private:
   [[nodiscard]] SimTime rounded(double step_ns) const;
   [[nodiscard]] double ratio_of(SimTime H, const MacroStepEnd& end, const InterfaceState& begin,
                                 double largest_wrench_N) const;
-  [[nodiscard]] bool swings_up(SimTime H, const MacroStepEnd& end) const;
+  [[nodiscard]] bool swings_up(SimTime H, const MacroStepEnd& end,
+                               const InterfaceState& begin) const;
   void limit_where_unstable(SimTime H, const MacroStepEnd& end);
   [[nodiscard]] double position_error_m(SimTime H, const MacroStepEnd& end,
                                         const InterfaceState& begin) const;
@@ -71,9 +88,10 @@ class StepController {
   double size_m_;  ///< L
   DivergenceMonitor monitor_;
   std::array<double, 2> created_J_{};  ///< in the last two accepted steps
-  SimTime shortest_, longest_, next_;
+  SimTime shortest_, longest_, next_, first_;
   double largest_wrench_N_ = 0.0;
   double last_ratio_ = 1.0;
+  bool beyond_tolerance_ = false;
   bool was_rejected_ = false;
 };
 

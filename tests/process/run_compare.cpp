@@ -118,5 +118,33 @@ TEST(Advise, BracketsTheLimitOfTheExplicitSchemeAndRecommendsAStepBelowIt) {
   EXPECT_NE(ended.output.find("recommended: "), std::string::npos) << ended.output;
 }
 
+// A motor turns the port by an angle that it prescribes, from rest: what trial runs of 0.1 s see of
+// it is the same with every step. At 100 rad/s a step of more than 2 ms turns by more than 0.2 rad.
+TEST(Advise, BoundsTheStepByTheTurningAtTheEndOfTheRun) {
+  const TemporaryFolder folder("tandem_advise");
+  const std::string scenario =
+      std::string(TANDEM_SOURCE_DIR) + "/tests/data/coupled/systems/spun_bar.yaml";
+  const Ended ended = tandem_command({"advise", scenario, "--out", (folder / "a").string()});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const nlohmann::json json = results_of(folder / "a/advise.json");
+  const double step_s = json.at("recommended").at("macro_step_s").get<double>();
+  EXPECT_LE(step_s, 0.002) << ended.output;
+  EXPECT_EQ(json.at("check").at("macro_step_s").get<double>(), step_s);
+  EXPECT_TRUE(json.at("check").at("whole_run").get<bool>());
+  EXPECT_NE(ended.output.find("rad per step"), std::string::npos) << ended.output;
+}
+
+// No time for a run of the scenario's length: said, not passed over.
+TEST(Advise, SaysWhatItHadNoTimeToDecide) {
+  const TemporaryFolder folder("tandem_advise");
+  const Ended ended =
+      tandem_command({"advise", kExamples + "two_masses/scenario.yaml", "--trial-steps", "20",
+                      "--check-s", "1e-6", "--out", (folder / "a").string()});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  EXPECT_NE(ended.output.find("not decided: "), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find("--check-s"), std::string::npos) << ended.output;
+  EXPECT_EQ(results_of(folder / "a/advise.json").at("check").at("macro_step_s"), 0.0);
+}
+
 }  // namespace
 }  // namespace tandem::test

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem_process/ancf/beam_params.h"
 #include "tests/support/ancf_support.h"
 
 namespace tandem::fem::ancf {
@@ -159,6 +160,74 @@ TEST(AncfStatics, PinchedRingFlattensByTheClosedForm) {
                           std::pow(radius, 3) / (young * inertia);
   // Thin curved elements lock, as 1/n⁴ here: 0.26, 0.021, 0.0014 for 32, 64 and 128 of them.
   EXPECT_NEAR(growth, expected, 0.005 * expected);
+}
+
+/// A whole ring of radius 0.5 m, 0.05 m wide and 0.02 m thick, in rubber of 1200 kg/m³.
+BeamModel ring_of(int elements, const BeamMaterial& material, Integration integration) {
+  const LoopPath ring{.radius1_m = 0.5, .radius2_m = 0.5};
+  BeamModel model{.mesh = join(lay(ring, {.elements = elements, .curved_reference = true})),
+                  .section = {0.05, 0.02},
+                  .material = material,
+                  .integration = integration};
+  model.material.density_kg_per_m3 = 1200.0;
+  return model;
+}
+
+/// By how much two opposite forces F pull a ring apart that is held at one of them, over the closed
+/// form for a thin one, (π/4 − 2/π) F R³/(E I).
+double pulled_apart(BeamModel model) {
+  const int n = static_cast<int>(model.mesh.elements.size());
+  const double inertia = 0.05 * std::pow(0.02, 3) / 12.0;
+  const double expected_m = 1e-5;
+  const double force_N = expected_m * model.material.young_Pa() * inertia /
+                         ((std::numbers::pi / 4.0 - 2.0 / std::numbers::pi) * std::pow(0.5, 3));
+  // Not r_z: the thickness there is free.
+  for (const Term& term : model.mesh.elements.front().terms) {
+    if (term.slot < 3) model.mesh.fixed[static_cast<std::size_t>(term.vector)] = true;
+  }
+  const int first = model.mesh.end_position[0];
+  const int opposite = model.mesh.end_position[static_cast<std::size_t>(n)];
+  const Eigen::Vector3d start = model.mesh.q0.segment<3>(3 * opposite);
+  const Eigen::Vector3d along =
+      (start - Eigen::Vector3d(model.mesh.q0.segment<3>(3 * first))).normalized();
+  model.loads.push_back({.element = n / 2, .xi = 0.0, .force_N = force_N * along});
+  const BeamSystem system(std::move(model));
+  Eigen::VectorXd q = system.mesh().q0;
+  EXPECT_TRUE(find_equilibrium(system, 0.0, 1.0, 1e-12, 100, q).found);
+  return (Eigen::Vector3d(q.segment<3>(3 * opposite)) - start).dot(along) / expected_m;
+}
+
+// The warning says of which part rings are too stiff, and how many elements are enough.
+TEST(AncfStatics, LockingOfBentElementsIsWarnedOfWithTheElementsThatAreEnough) {
+  const BeamMaterial rubber = BeamMaterial::from_young(ElasticLaw::SaintVenantKirchhoff, 2e6, 0.0);
+  for (const int n : {16, 24, 32}) {
+    const BeamModel model = ring_of(n, rubber, Integration::Full);
+    const double theta = 2.0 * std::numbers::pi / n;
+    const double part = std::pow(theta * 0.5 * theta / 0.02, 2) / 10.0;
+    // Beside it the one curvature of an element, θ²/12.
+    EXPECT_NEAR(1.0 / pulled_apart(model), 1.0 + part, 0.15 * part + theta * theta / 6.0) << n;
+    const auto warning = bending_warning(model);
+    ASSERT_TRUE(warning.has_value()) << n;
+    // 16 (part of 16 over 0.05)^¼ = 37.4: the same number from every mesh.
+    EXPECT_NE(warning->find(" 38 elements or more"), std::string::npos) << *warning;
+  }
+  EXPECT_FALSE(bending_warning(ring_of(38, rubber, Integration::Full)).has_value());
+  // Straight ones do not lock, and pins take the bend.
+  EXPECT_FALSE(bending_warning(straight_beam(1.0, 4, {0.02, 0.02}, rubber)).has_value());
+  const LoopPath ring{.radius1_m = 0.5, .radius2_m = 0.5};
+  BeamModel pinned{.mesh = join(lay(ring, {.elements = 16, .joint = Joint::Pin})),
+                   .section = {0.05, 0.02},
+                   .material = rubber};
+  EXPECT_FALSE(bending_warning(pinned).has_value());
+}
+
+// Poisson's ratio does not enter the bending of a ring whose sections are free: axis_d0 has to take
+// Young's modulus along the band, not along the axes of the world.
+TEST(AncfStatics, RingsBornCurvedBendWithYoungsModulusInTheirOwnAxes) {
+  for (const double nu : {0.0, 0.3}) {
+    const BeamMaterial rubber = BeamMaterial::from_young(ElasticLaw::SaintVenantKirchhoff, 2e6, nu);
+    EXPECT_NEAR(pulled_apart(ring_of(64, rubber, Integration::AxisD0)), 1.0, 0.02) << nu;
+  }
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/law.h"
 #include "tests/unit/scenario_support.h"
 
 namespace tandem::scenario {
@@ -30,6 +31,27 @@ std::string with(const std::string& old_text, const std::string& new_text) {
   const auto at = text.find(old_text);
   EXPECT_NE(at, std::string::npos) << old_text;
   return text.replace(at, old_text.size(), new_text);
+}
+
+// A ramp, a table and a change, in sections and lists; not those at 0, at the end and behind it.
+TEST(CommonKeys, EventsAreTheCornersOfLawsAndTheTimesOfChanges) {
+  Section root = table();
+  Section load, change;
+  load.title = "Load";
+  load.keys = {law("law", "N")};
+  change.title = "Change";
+  change.keys = {real("at_s", "s")};
+  root.keys.push_back(sections("loads", std::move(load)));
+  root.keys.push_back(section("change", std::move(change)));
+  const std::string text = std::string(kGood) + R"(loads:
+  - {law: {kind: ramp, end_s: 0.3, value_end: 1}}
+  - {law: {kind: table, times_s: [0, 0.1, 0.3, 0.5, 0.7], values: [0, 1, 0, 1, 0]}}
+  - {law: 3}
+change: {at_s: 0.2000000005}
+)";
+  const std::vector<SimTime> events = read_run(load_text(text, root).root).events;
+  EXPECT_EQ(events, (std::vector<SimTime>{SimTime(100'000'000), SimTime(200'000'000),
+                                          SimTime(300'000'000)}));
 }
 
 TEST(CommonKeys, AreReadAsWritten) {

@@ -152,6 +152,60 @@ TEST(StepController, MeasuresTheEnergyThatAnExplicitStepCreates) {
   EXPECT_NEAR(next_s(SchemeKind::InterfaceNewton, 1.9e-3), 2e-3, 1e-9);
 }
 
+// A force that begins within a step of 16 H₀ from rest: nothing moves yet, no energy is created,
+// and the whole impulse is lost, 16 times that of the first step.
+TEST(StepController, MeasuresTheImpulseThatAnExplicitStepDoesNotGive) {
+  const SimTime H0 = sim_time_from_seconds(1e-3);
+  for (const SchemeKind scheme :
+       {SchemeKind::ExplicitSerial, SchemeKind::ExplicitParallel, SchemeKind::InterfaceNewton}) {
+    StepController controller({.scheme = scheme, .adaptive = {.tolerance = 1e-3}}, H0, kOnePort,
+                              MotionSet(1));
+    const InterfaceState begin{.motions = MotionSet(1), .wrenches = WrenchSet(1)};
+    MacroStepEnd end{.outcome = Outcome::Done,
+                     .motions = MotionSet(1),
+                     .wrenches = WrenchSet(1),
+                     .applied = WrenchSet(1),
+                     .residual_N = 300.0};
+    end.wrenches[0].f_P_W.x() = 300.0;
+    const bool accepted = controller.accepts(16 * H0, end, begin);
+    EXPECT_EQ(accepted, scheme == SchemeKind::InterfaceNewton);  // which has no such defect
+    if (accepted) continue;
+    EXPECT_LE(controller.step(kSecond), 16 * H0 * 3 / 10);
+    EXPECT_TRUE(controller.accepts(H0, end, begin));
+  }
+}
+
+// 50 ms at up to 32 ms a step: without the event the second step would pass it.
+TEST(Adaptive, EventsAreStepEndsAndExplicitStepsBeginAnew) {
+  for (const SchemeKind scheme : {SchemeKind::ExplicitSerial, SchemeKind::InterfaceNewton}) {
+    const Case c = adaptive_case(scheme, 1.0);
+    test::MassMbs mbs(c.mbs_kg, {.x = 0.01, .v = 1.0});
+    test::MassSpringFem fem(c.fem_kg, c.stiffness);
+    CoupledRunParams params =
+        scheme_run({sim_time_from_seconds(0.2), sim_time_from_seconds(1e-3)}, c.coupling);
+    const SimTime unit = sim_time_from_seconds(1e-3) / 32;
+    const SimTime event = 1600 * unit;  // 50 ms
+    params.run.events = {unit / 2, event, event + unit + unit / 2, sim_time_from_seconds(0.3)};
+    Journals journals;
+    const RunReport report = run_coupled(params, {mbs}, {fem}, journals);
+    ASSERT_EQ(report.status, RunStatus::Done) << report.message;
+    std::vector<SimTime> ends;
+    SimTime longest{};
+    for (const wire::StepJournal& journal : journals.steps) {
+      ends.push_back(journal.step.time);
+      const bool after = journal.step.time - journal.step.step == event + unit;
+      if (after && scheme == SchemeKind::ExplicitSerial) {
+        EXPECT_LE(journal.step.step, sim_time_from_seconds(1e-3));
+      }
+      longest = std::max(longest, journal.step.step);
+    }
+    EXPECT_EQ(std::count(ends.begin(), ends.end(), event), 1);
+    // Between two units the one before.
+    EXPECT_EQ(std::count(ends.begin(), ends.end(), event + unit), 1);
+    EXPECT_GT(longest, sim_time_from_seconds(1e-3));
+  }
+}
+
 TEST(StepController, RejectsAndShortensUntilTheShortestStepAndThenAccepts) {
   const EnergyStep step;
   StepController controller({.scheme = SchemeKind::ExplicitSerial, .adaptive = {.tolerance = 1e-9}},

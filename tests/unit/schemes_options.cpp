@@ -81,6 +81,23 @@ double amplification(double mass_ratio, double factor) {
 }
 
 // (M̂ − μ)/(m + M̂): stable up to μ = m/(1 − 2 factor) instead of m, and everywhere from one half on.
+TEST(RetainedInertia, IsNamedWhereItHasNoEffect) {
+  for (const SchemeKind scheme :
+       {SchemeKind::Implicit, SchemeKind::InterfaceNewton, SchemeKind::Tlm}) {
+    CouplingParams params{.scheme = scheme};
+    EXPECT_TRUE(notes_of(params).empty());
+    params.retained_inertia.factor = 0.5;
+    ASSERT_EQ(notes_of(params).size(), 1U);
+    for (const std::string& part : {std::string("coupling.retained_inertia.factor: 0.5"),
+                                    to_string(scheme), std::string("explicit_serial")}) {
+      EXPECT_NE(notes_of(params)[0].find(part), std::string::npos) << notes_of(params)[0];
+    }
+  }
+  EXPECT_TRUE(
+      notes_of({.scheme = SchemeKind::ExplicitParallel, .retained_inertia = {.factor = 1.0}})
+          .empty());
+}
+
 TEST(RetainedInertia, WidensTheStabilityLimitAsItsClosedFormSays) {
   for (double factor : {0.1, 0.25, 0.4, 0.5, 1.0}) {
     for (double mu : {0.5, 1.5, 3.0, 100.0}) {

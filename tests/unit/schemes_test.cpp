@@ -51,8 +51,43 @@ TEST(ExplicitSerial, IsStableBelowAndStoppedAboveTheMassRatio) {
   EXPECT_NE(report.message.find("interface_jacobian"), std::string::npos) << report.message;
 }
 
+// An error of the wrench grows by the root z of z² = −κ (2z − 1): with κ = 1/2 by (1 + √3)/2
+// = 1.366 per macro step, and from that the message finds κ again, which is above the limit it
+// names.
+TEST(ExplicitSerial, NamesTheMassRatioAndTheLimitOfItsPrediction) {
+  const std::vector<std::pair<Prediction, std::string>> limits = {
+      {Prediction::Hold, "hold is 1."},
+      {Prediction::Linear, "linear is 0.333."},
+      {Prediction::Quadratic, "quadratic is 0.143."}};
+  for (const auto& [prediction, limit] : limits) {
+    Case c{
+        .fem_kg = prediction == Prediction::Hold ? 1.5 : 0.5, .stiffness = 10.0, .duration_s = 0.2};
+    c.coupling = {.scheme = SchemeKind::ExplicitSerial, .prediction = prediction};
+    const RunReport report = run(c);
+    ASSERT_EQ(report.status, RunStatus::Diverged);
+    EXPECT_NE(report.message.find(limit), std::string::npos) << report.message;
+    const std::string before = "times its stiffness) is ";
+    const auto at = report.message.find(before);
+    ASSERT_NE(at, std::string::npos) << report.message;
+    // The first steps of the streak still hold other roots.
+    EXPECT_NEAR(std::stod(report.message.substr(at + before.size())), c.fem_kg, 0.1 * c.fem_kg)
+        << report.message;
+  }
+}
+
+TEST(DivergenceMonitor, FindsTheRatioThatGrowthBelongsTo) {
+  for (const double kappa : {0.5, 1.0, 3.0}) {
+    const double z = kappa + std::sqrt(kappa * kappa + kappa);  // z² = κ (2z + 1)
+    EXPECT_NEAR(ratio_of_growth(z, Prediction::Linear), kappa, 1e-14);
+    EXPECT_EQ(ratio_of_growth(kappa, Prediction::Hold), kappa);
+  }
+  EXPECT_NEAR(ratio_of_growth(1.0, Prediction::Linear), 1.0 / 3.0, 1e-15);
+  EXPECT_NEAR(ratio_of_growth(1.0, Prediction::Quadratic), 1.0 / 7.0, 1e-15);
+}
+
 TEST(DivergenceMonitor, RoundOffOfAModelAtRestIsNoDivergence) {
-  // Growth by 1e12 within the streak, but of forces that nobody exerts: far below kNegligible_N.
+  // Growth by 1e12 within the streak, but of velocities that move nothing: 1e-11 m of 0.1 m at
+  // most.
   DivergenceMonitor monitor(1e3, {{"p", 0.1}});
   double force_N = 1e-20;
   for (int n = 0; n < 12; ++n, force_N *= -10.0) {
@@ -281,25 +316,38 @@ TEST(CoupledRun, LedgerBooksEverySideInItsColumnAndNoTimeTwice) {
 // next macro step at its second evaluation; at 1e-7 N they are not.
 TEST(ResidualFloor, IsWhatResidualsWaverAt) {
   ResidualFloor floor(1, 1e-11);
-  floor.begin_step();
+  floor.begin_step(0.0);
   EXPECT_FALSE(floor.reached(1.0, 100.0, 0.0));
   EXPECT_FALSE(floor.reached(1e-9, 100.0, 0.0));
   EXPECT_TRUE(floor.reached(1.2e-9, 100.0, 0.0));
-  floor.begin_step();
+  floor.begin_step(0.0);
   EXPECT_FALSE(floor.reached(1e-9, 100.0, 0.0));
   EXPECT_TRUE(floor.reached(1.5e-9, 100.0, 0.0));
   ResidualFloor large(1, 1e-11);
-  large.begin_step();
+  large.begin_step(0.0);
   for (int k = 0; k < 50; ++k) EXPECT_FALSE(large.reached(1e-7, 100.0, 0.0));
 }
 
-// A wrench may be small where the joints' forces are not.
+// A wrench that passes through zero has the scale of those before it.
+TEST(ResidualFloor, KnowsTheWrenchesBefore) {
+  ResidualFloor floor(1, 0.0);
+  for (const double accepted_N : {100.0, 1e-3}) {
+    floor.begin_step(accepted_N);
+    EXPECT_FALSE(floor.reached(9e-9, 1e-3, 0.0));
+    EXPECT_TRUE(floor.reached(9e-9, 1e-3, 0.0));
+  }
+  ResidualFloor young(1, 0.0);
+  young.begin_step(1e-3);
+  for (int k = 0; k < 50; ++k) EXPECT_FALSE(young.reached(9e-9, 1e-3, 0.0));
+}
+
+// A wrench may be small where the joints' forces are not: then the scenario says what is small.
 TEST(ResidualFloor, MayBeAHundredTolerances) {
   ResidualFloor floor(1, 1e-11);
-  floor.begin_step();
+  floor.begin_step(0.0);
   EXPECT_FALSE(floor.reached(9e-10, 0.01, 0.0));
   EXPECT_TRUE(floor.reached(9e-10, 0.01, 0.0));
-  floor.begin_step();
+  floor.begin_step(0.0);
   EXPECT_FALSE(floor.reached(1.1e-9, 0.01, 0.0));
   EXPECT_FALSE(floor.reached(1.1e-9, 0.01, 0.0));
 }
@@ -307,10 +355,10 @@ TEST(ResidualFloor, MayBeAHundredTolerances) {
 // A stiff mesh makes more of its motions' rounding than the port's stiffness tells.
 TEST(ResidualFloor, MayBeAHundredRoundingsOfTheMotions) {
   ResidualFloor floor(1, 1e-11);
-  floor.begin_step();
+  floor.begin_step(0.0);
   EXPECT_FALSE(floor.reached(9e-8, 0.01, 1e-9));
   EXPECT_TRUE(floor.reached(9e-8, 0.01, 1e-9));
-  floor.begin_step();
+  floor.begin_step(0.0);
   EXPECT_FALSE(floor.reached(1.1e-7, 0.01, 1e-9));
   EXPECT_FALSE(floor.reached(1.1e-7, 0.01, 1e-9));
 }
@@ -318,7 +366,7 @@ TEST(ResidualFloor, MayBeAHundredRoundingsOfTheMotions) {
 // An iteration that goes on falling, if slowly, is not at its floor.
 TEST(ResidualFloor, IsNotReachedWhileResidualsFall) {
   ResidualFloor floor(8, 1e-11);
-  floor.begin_step();
+  floor.begin_step(0.0);
   double residual_N = 1.0;
   for (int k = 0; k < 200; ++k, residual_N *= 0.9)
     EXPECT_FALSE(floor.reached(residual_N, 100.0, 0.0));
