@@ -10,8 +10,8 @@
 
 #include "orchestrator/interruption.h"
 #include "orchestrator/side_launch.h"
-#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "protocol/driver/control_inbox.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/journal_receiver.h"
@@ -67,7 +67,7 @@ class LcmRun {
     const nlohmann::ordered_json address = {{"run_id", fmt::format("{:016x}", run_id)},
                                             {"port", bus_.options().port},
                                             {"ttl", bus_.options().ttl}};
-    write_text_file(directory.bus(), address.dump() + "\n");
+    write_whole_file(directory.bus(), address.dump() + "\n");
   }
 
   wire::Finished run() {

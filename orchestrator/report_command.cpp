@@ -7,7 +7,7 @@
 
 #include "orchestrator/commands.h"
 #include "orchestrator/report_page.h"
-#include "orchestrator/text_file.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::orchestrator {
 
@@ -23,7 +23,7 @@ void add_report(CLI::App& app) {
     const std::string page = report_page(folders);
     const std::filesystem::path file =
         out->empty() ? folders.front() / "report.html" : std::filesystem::path(*out);
-    write_text_file(file, page);
+    write_whole_file(file, page);
     std::printf("%s\n", file.c_str());
   });
 }

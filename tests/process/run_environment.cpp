@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <memory>
 #include <thread>
 
 #include "protocol/wire/multicast_socket.h"
@@ -152,8 +153,12 @@ TEST(RunEnvironment, AFullFileSystemLeavesAReadableLog) {
   }
   const std::string run = shell_run(folder / "run");
   const std::string log = kTandem + " log '" + (folder / "run").string() + "'";
-  const Ended ended = shell("unshare -m sh -c \"" + mount + "; " + run + "; " + log + "\"");
-  EXPECT_EQ(ended.code, 0) << ended.output;  // of `tandem log`
+  // There is a whole summary, or none: never an empty one.
+  const std::string summary = "'" + (folder / "run/summary.json").string() + "'";
+  const std::string whole = "(test ! -e " + summary + " || grep -q '^}' " + summary + ")";
+  const Ended ended =
+      shell("unshare -m sh -c \"" + mount + "; " + run + "; " + log + " && " + whole + "\"");
+  EXPECT_EQ(ended.code, 0) << ended.output;  // of `tandem log` and of the summary's test
   EXPECT_TRUE(has(ended.output, "No space left on device")) << ended.output;
   EXPECT_TRUE(has(ended.output, "without its last event")) << ended.output;
 }
@@ -248,6 +253,24 @@ TEST(RunEnvironment, TwoRunsAtTheSameTimeDoNotDisturbEachOther) {
   EXPECT_EQ(summary_of(folder / "b").at("state_hash").get<std::string>(), hash);
   // The folder's name has spaces and quotes: the run can also be replayed from there.
   EXPECT_EQ(tandem_command({"replay", (folder / "a").string(), "--side", "mbs"}).code, 0);
+}
+
+TEST(RunEnvironment, ReplaysStartedTogetherDoNotDisturbEachOther) {
+  const TemporaryFolder folder("tandem_replays");
+  ASSERT_EQ(run_command(run_of("two_masses", folder / "run", {"--set", "run.duration_s=0.2"})).code,
+            0);
+  std::vector<std::unique_ptr<ChildProcess>> replays;
+  const std::vector<std::string> command{kTandem, "replay", (folder / "run").string(), "--side",
+                                         "mbs"};
+  for (int i = 0; i < 3; ++i) replays.push_back(std::make_unique<ChildProcess>(command));
+  int done = 0;
+  for (const auto& replay : replays) {
+    const int code = replay->wait(60.0);
+    done += code == 0 ? 1 : 0;
+    EXPECT_TRUE(code == 0 || has(replay->output(), "another command writes into this folder"))
+        << code << ": " << replay->output();
+  }
+  EXPECT_GT(done, 0);
 }
 
 // A file opened next would take the number of a closed stream, and messages would go into it.
