@@ -52,6 +52,8 @@ void export_csv(const RunDirectory& run, std::FILE* out) {
                interface_header(model.port_names));
   while (const auto journal = log.next_step()) {
     for (const wire::CallRecord& call : journal->calls) {
+      const std::string misfit = wire::misfit(call, model.port_names.size());
+      require(misfit.empty(), fmt::format("{} is damaged: {}.", run.log().string(), misfit));
       if (call.kind != wire::CallKind::Command) put(out, call_row(call, journal->step.time));
     }
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "orchestrator/interruption.h"
+#include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
 
@@ -24,6 +25,10 @@ Recorder::Recorder(const Model& model, const RunDirectory& directory, std::uint6
 }
 
 double Recorder::record(wire::StepJournal journal) {
+  for (const wire::CallRecord& call : journal.calls) {
+    const std::string misfit = wire::misfit(call, so_far_.port_names.size());
+    if (!misfit.empty()) throw Error(ErrorKind::Partner, "orchestrator: " + misfit + ".");
+  }
   log_is_whole_ = false;
   log_.write(journal);
   log_is_whole_ = true;

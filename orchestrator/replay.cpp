@@ -77,6 +77,8 @@ void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, SideName name,
     throw_if_interrupted();
     for (const CallRecord& call : journal->calls) {
       if (call.side != name) continue;
+      const std::string misfit = wire::misfit(call, ports.size());
+      require(misfit.empty(), fmt::format("the log is damaged: {}.", misfit));
       const std::string difference = repeat(call, side, ports, tolerance);
       ++report.calls;
       report.discarded_calls += call.accepted ? 0 : 1;

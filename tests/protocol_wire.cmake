@@ -5,6 +5,7 @@ tandem_test(wire_log SOURCES unit/wire_log.cpp LIBS tandem_wire lcm::lcm LABELS 
 tandem_test(wire_bytes SOURCES golden/wire_bytes.cpp LIBS tandem_wire LABELS golden)
 tandem_test(wire_journal SOURCES contract/wire_journal.cpp LIBS tandem_wire LABELS contract)
 tandem_test(wire_exchange SOURCES process/wire_exchange.cpp LIBS tandem_wire lcm::lcm LABELS process)
+tandem_test(wire_strangers SOURCES process/wire_strangers.cpp LIBS tandem_wire LABELS process)
 tandem_test(wire_faults SOURCES process/wire_faults.cpp LIBS tandem_wire LABELS process)
 tandem_test(wire_failures SOURCES process/wire_failures.cpp LIBS tandem_wire LABELS process)
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,6 +41,9 @@ struct CallRecord {
   std::int32_t solver_iterations = 0;
   std::string command;  ///< Command: its text
 };
+
+/// Why the values of a call do not fit a run of so many ports; empty = they do.
+[[nodiscard]] std::string misfit(const CallRecord& call, std::size_t ports);
 
 /// One macro step as the scheme ended it. Macro step 0 carries the initialization.
 struct StepRecord {

@@ -10,14 +10,13 @@
 namespace tandem::wire {
 namespace {
 
-constexpr double kAskPause_s = 0.005;    // between two requests for the same missing number
-constexpr double kGrantPause_s = 0.02;   // credit below a quarter window is given when idle
-constexpr std::size_t kMaxAhead = 4096;  // more than any window: bounds the memory
+constexpr double kAskPause_s = 0.005;   // between two requests for the same missing number
+constexpr double kGrantPause_s = 0.02;  // credit below a quarter window is given when idle
 
 }  // namespace
 
 JournalReceiver::JournalReceiver(Bus& bus, LivenessMonitor& monitor, int window)
-    : bus_(bus), monitor_(monitor), credit_every_(std::max(1, window / 4)) {
+    : bus_(bus), monitor_(monitor), window_(window), credit_every_(std::max(1, window / 4)) {
   const auto handler = [this](const Header& header, ByteView message) {
     on_message(header, message);
   };
@@ -58,7 +57,9 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
     if (header.sequence <= recorded_) grant();
     return;
   }
-  if (ahead_.size() >= kMaxAhead) return;
+  // The driver has at most a window of messages unrecorded, and the last one: this bounds the
+  // memory, and whatever has come, there is room for the one that is waited for.
+  if (header.sequence > recorded_ + window_ + 1) return bus_.count_undecodable();
   Message entries = decode(header.kind, message);
   if (entries.empty()) {
     throw Error(ErrorKind::Partner,

@@ -54,6 +54,7 @@ class JournalReceiver {
 
   Bus& bus_;
   LivenessMonitor& monitor_;
+  std::int64_t window_;
   std::int64_t credit_every_;
   std::int64_t arrived_ = 0;   ///< all messages up to this number have arrived
   std::int64_t recorded_ = 0;  ///< confirmed by recorded()

@@ -34,7 +34,8 @@ class RemoteLink {
 
   /// Sends the request and waits for its reply; adds what it cost to `cost`. The header of
   /// `request.head` brings macro step and iteration alone. Throws tandem::Error with the side's
-  /// name when the side threw, or is not heard any more. The reply lives until the next call; its
+  /// name when the side threw, or is not heard any more, and when the reply does not hold
+  /// what the call and the port table say. The reply lives until the next call; its
   /// values may be moved from.
   Reply& call(const RequestView& request, CallCost& cost);
 
@@ -63,6 +64,7 @@ class RemoteLink {
   void book(double blocked_s);
   void on_reply(const Header& header, ByteView message);
   void check(const Handshake& welcome) const;
+  void check_reply() const;
 
   Bus& bus_;
   LivenessMonitor& monitor_;
@@ -70,8 +72,10 @@ class RemoteLink {
   Subscription replies_;
   std::int64_t sequence_ = 0;
   std::int64_t macro_step_ = 0;
-  CallCost open_cost_;    ///< of the call in progress
-  double begin_s_ = 0.0;  ///< when it was first sent
+  std::int32_t iteration_ = 0;
+  RequestKind call_ = RequestKind::Observe;  ///< of the open request
+  CallCost open_cost_;                       ///< of the call in progress
+  double begin_s_ = 0.0;                     ///< when it was first sent
   enum class Given { Nothing, Here, Lost };
   Bytes accepted_;                  ///< message that ends with the accepted input
   std::size_t accepted_bytes_ = 0;  ///< of that input; 0 = not known
