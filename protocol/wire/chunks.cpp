@@ -67,7 +67,7 @@ void cut(Bytes& message, std::int32_t attempt, const std::function<void(ByteView
 
 std::optional<ByteView> Assembler::add(const Chunk& chunk) {
   // Sizes follow from the size of the whole: whatever does not fit is not one of ours.
-  if (chunk.whole_bytes <= 0) return std::nullopt;
+  if (chunk.whole_bytes < static_cast<std::int32_t>(kHeaderEnd)) return std::nullopt;
   const auto whole = static_cast<std::size_t>(chunk.whole_bytes);
   const std::size_t count = (whole + kChunkData - 1) / kChunkData;
   if (whole > kMaxMessage || chunk.count < 0 || static_cast<std::size_t>(chunk.count) != count ||
@@ -80,15 +80,14 @@ std::optional<ByteView> Assembler::add(const Chunk& chunk) {
 
   Open& message = entry(chunk);
   if (message.here[index]) return std::nullopt;
-  std::copy(chunk.bytes.begin(), chunk.bytes.end(),
-            message.bytes.begin() + static_cast<std::ptrdiff_t>(begin));
+  std::copy(chunk.bytes.begin(), chunk.bytes.end(), message.memory.bytes.get() + begin);
   message.here[index] = true;
   if (--message.missing > 0) return std::nullopt;
-  spare_ = std::exchange(whole_, std::move(message.bytes));
+  spare_ = std::exchange(whole_, std::move(message.memory));
   open_.erase(std::find_if(open_.begin(), open_.end(),
                            [&](const Open& other) { return &other == &message; }));
-  set_checksum(whole_, chunk.whole_checksum);
-  return ByteView(whole_);
+  set_checksum({whole_.bytes.get(), whole}, chunk.whole_checksum);
+  return ByteView(whole_.bytes.get(), whole);
 }
 
 Assembler::Open& Assembler::entry(const Chunk& chunk) {
@@ -96,16 +95,24 @@ Assembler::Open& Assembler::entry(const Chunk& chunk) {
   const auto found = std::find_if(open_.begin(), open_.end(), [&](const Open& other) {
     return other.sender == chunk.header.sender && other.kind == chunk.whole_kind &&
            other.sequence == chunk.header.sequence && other.checksum == chunk.whole_checksum &&
-           other.bytes.size() == whole;
+           other.size == whole;
   });
   if (found != open_.end()) return *found;
-  if (open_.size() >= kMaxOpen) open_.pop_front();
+  const auto total = [this] {
+    std::size_t sum = 0;
+    for (const Open& open : open_) sum += open.size;
+    return sum;
+  };
+  while (open_.size() >= kMaxOpen || total() + whole > 2 * kMaxMessage) open_.pop_front();
   const auto count = static_cast<std::size_t>(chunk.count);
-  Bytes bytes = std::move(spare_);
-  bytes.resize(whole);
+  // Not filled: what a message claims to be takes no memory before its parts are here.
+  Memory memory = std::exchange(spare_, {});
+  if (memory.capacity < whole) {
+    memory = {std::make_unique_for_overwrite<std::uint8_t[]>(whole), whole};
+  }
   return open_.emplace_back(Open{chunk.header.sender, chunk.whole_kind, chunk.header.sequence,
-                                 chunk.whole_checksum, std::move(bytes), std::vector<bool>(count),
-                                 count});
+                                 chunk.whole_checksum, whole, std::move(memory),
+                                 std::vector<bool>(count), count});
 }
 
 }  // namespace tandem::wire

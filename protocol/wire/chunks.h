@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -20,8 +21,9 @@ inline constexpr std::size_t kMaxWhole = 60000;
 void cut(Bytes& message, std::int32_t attempt, const std::function<void(ByteView)>& send);
 
 /// Puts chunks together again, in any order, repeated or interleaved with those of other messages.
-/// Chunks of a repetition of the same message complete each other. Memory is bounded: messages of
-/// at most 64 MiB, the oldest of kMaxOpen unfinished ones is given up.
+/// Chunks of a repetition of the same message complete each other. Memory is bounded by what has
+/// come in, and by 128 MiB: messages have at most 64 MiB, and the oldest unfinished one is given up
+/// for a new one when there are kMaxOpen, or they claim more than that together.
 class Assembler {
  public:
   static constexpr std::size_t kMaxOpen = 8;
@@ -31,20 +33,25 @@ class Assembler {
   [[nodiscard]] std::optional<ByteView> add(const Chunk& chunk);
 
  private:
+  struct Memory {
+    std::unique_ptr<std::uint8_t[]> bytes;
+    std::size_t capacity = 0;
+  };
   struct Open {
     Process sender{};
     Kind kind{};
     std::int64_t sequence = 0;
     std::uint32_t checksum = 0;
-    Bytes bytes;
+    std::size_t size = 0;
+    Memory memory;
     std::vector<bool> here;
     std::size_t missing = 0;
   };
   Open& entry(const Chunk& chunk);
 
   std::deque<Open> open_;
-  Bytes whole_;  ///< the message handed out
-  Bytes spare_;  ///< memory of the one before
+  Memory whole_;  ///< the message handed out
+  Memory spare_;  ///< of the one before
 };
 
 }  // namespace tandem::wire

@@ -141,7 +141,7 @@ std::optional<Header> open_seal(ByteView message) {
   return header_of(message);
 }
 
-void set_checksum(Bytes& message, std::uint32_t checksum) {
+void set_checksum(std::span<std::uint8_t> message, std::uint32_t checksum) {
   write_word(message, kChecksumAt, checksum);
 }
 

@@ -73,7 +73,7 @@ void seal(std::span<std::uint8_t> head, std::int32_t attempt, std::uint32_t rest
 /// The header of an encoded message, unchecked; the message has at least kHeaderEnd bytes and a
 /// valid sender.
 [[nodiscard]] Header header_of(ByteView message);
-void set_checksum(Bytes& message, std::uint32_t checksum);
+void set_checksum(std::span<std::uint8_t> message, std::uint32_t checksum);
 
 /// Overwrites one double (big endian, as lcm-gen writes it) of a not yet sealed message.
 void patch_double(Bytes& message, std::size_t offset, double value);
