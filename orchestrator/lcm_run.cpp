@@ -115,6 +115,9 @@ class LcmRun {
 
   wire::Finished record_from_mbs(wire::LivenessMonitor& monitor) {
     wire::JournalReceiver receiver(bus_, monitor, static_cast<int>(model_.wire.credit_window));
+    monitor.also_watch([this] { launch_.supervise({Process::Mbs}); });
+    (void)wire::greet(bus_, monitor, expected(Process::Mbs), model_.wire.start_timeout_s);
+    monitor.also_watch({});
     std::optional<wire::Finished> finished;
     double patience_end_s = 0.0;
     // The driver leaves once it knows that its last entry is recorded; the credit that says so may
@@ -138,6 +141,13 @@ class LcmRun {
     return *finished;
   }
 
+  [[nodiscard]] wire::RemoteOptions expected(Process side) const {
+    return {.side = side,
+            .scenario_hash = model_.scenario.hash,
+            .port_names = model_.port_names,
+            .tandem_version = kTandemVersion};
+  }
+
   bool driver_left() {
     // Sides started by hand are not ours to wait for: they linger long enough for the last credit.
     return launch_.started(Process::Mbs) ? launch_.ended(Process::Mbs).has_value() : true;
@@ -155,14 +165,8 @@ class LcmRun {
 
   wire::Finished drive_here(wire::LivenessMonitor& monitor) {
     monitor.also_watch([this] { launch_.supervise({Process::Mbs, Process::Fem}); });
-    const auto options = [&](Process side) {
-      return wire::RemoteOptions{.side = side,
-                                 .scenario_hash = model_.scenario.hash,
-                                 .port_names = model_.port_names,
-                                 .tandem_version = kTandemVersion};
-    };
-    wire::RemoteMbs mbs(bus_, monitor, options(Process::Mbs));
-    wire::RemoteFem fem(bus_, monitor, options(Process::Fem));
+    wire::RemoteMbs mbs(bus_, monitor, expected(Process::Mbs));
+    wire::RemoteFem fem(bus_, monitor, expected(Process::Fem));
     HubSink sink(recorder_, heartbeat_, monitor, launch_);
     ControlInbox inbox(bus_);
     CoupledRunParams params = scheme_run(model_.run, model_.coupling);

@@ -1,10 +1,9 @@
 #include "protocol/wire/remote_link.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <optional>
+#include <limits>
 #include <utility>
 
 #include "protocol/contract/cost.h"
@@ -15,7 +14,6 @@ namespace {
 
 constexpr double kFirstTimeout_s = 0.02;
 constexpr double kLastTimeout_s = 0.2;
-constexpr double kHelloPeriod_s = 0.05;
 constexpr double kByeTime_s = 2.0;
 
 }  // namespace
@@ -28,51 +26,8 @@ RemoteLink::RemoteLink(Bus& bus, LivenessMonitor& monitor, RemoteOptions options
 }
 
 Handshake RemoteLink::connect() {
-  std::optional<Handshake> welcome;
-  bool other_schema = false;
-  const Subscription subscription =
-      bus_.subscribe(options_.side, Kind::Welcome, [&](const Header&, ByteView message) {
-        welcome = decode_handshake(message);
-        other_schema = !welcome.has_value();
-      });
-  Handshake hello;
-  hello.tandem_version = options_.tandem_version;
-  hello.scenario_hash = options_.scenario_hash;
-  hello.receive_buffer_bytes = bus_.receive_buffer_bytes();
-  hello.process_id = static_cast<std::int32_t>(getpid());
-  for (const std::string& name : options_.port_names) hello.ports.push_back({name, 0.0});
-  double send_s = 0.0;
-  // Messages are not kept for late subscribers: say hello until the side is up and answers.
-  for (std::int64_t n = 1; !welcome && !other_schema;) {
-    if (now_s() >= send_s) {
-      hello.header = bus_.header(Kind::Hello, n++);
-      Bytes message = encode(hello);
-      bus_.publish(options_.side, Kind::Hello, message);
-      send_s = now_s() + kHelloPeriod_s;
-    }
-    monitor_.wait(kHelloPeriod_s);
-  }
-  require(!other_schema,
-          fmt::format("{}: {} speaks another message schema than this {}. Install both from one "
-                      "build.",
-                      text_of(options_.side), executable_of(options_.side),
-                      executable_of(bus_.options().self)));
-  check(*welcome);
-  return *welcome;
-}
-
-void RemoteLink::check(const Handshake& welcome) const {
-  require(welcome.refusal.empty(), fmt::format("{}: {} refuses the run: {}", text_of(options_.side),
-                                               executable_of(options_.side), welcome.refusal));
-  const std::size_t here = options_.port_names.size();
-  const std::size_t there = welcome.ports.size();
-  for (std::size_t i = 0; i < std::max(here, there); ++i) {
-    const std::string name_here = i < here ? options_.port_names[i] : "none";
-    const std::string name_there = i < there ? welcome.ports[i].name : "none";
-    require(name_here == name_there,
-            fmt::format("{}: port {} is '{}' there, but '{}' here", text_of(options_.side), i + 1,
-                        name_there, name_here));
-  }
+  // The side may load a large model for as long as it says that it lives.
+  return greet(bus_, monitor_, options_, std::numeric_limits<double>::infinity());
 }
 
 void RemoteLink::send(Bytes& message, std::int32_t attempt, CallCost& cost) {

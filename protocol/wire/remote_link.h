@@ -1,23 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "protocol/wire/arrays.h"
 #include "protocol/wire/bus.h"
+#include "protocol/wire/handshake.h"
 #include "protocol/wire/liveness.h"
 #include "protocol/wire/messages.h"
 
 namespace tandem::wire {
-
-/// What the driver expects of a side.
-struct RemoteOptions {
-  Process side = Process::Fem;  ///< Mbs or Fem
-  std::uint64_t scenario_hash = 0;
-  std::vector<std::string> port_names;
-  std::string tandem_version;
-};
 
 /// Client end of the exchange with one side: numbered requests, one open at a time, repeated after
 /// a time-out (20 ms, doubling to 200 ms) until the reply of the same number is here. The server
@@ -63,7 +54,6 @@ class RemoteLink {
   void await_reply();
   void book(double blocked_s);
   void on_reply(const Header& header, ByteView message);
-  void check(const Handshake& welcome) const;
   void check_reply() const;
 
   Bus& bus_;
