@@ -67,7 +67,8 @@ class LcmRun {
     const nlohmann::ordered_json address = {{"run_id", fmt::format("{:016x}", run_id)},
                                             {"port", bus_.options().port},
                                             {"ttl", bus_.options().ttl}};
-    write_whole_file(directory.bus(), address.dump() + "\n");
+    // Whoever knows the run id can command the run.
+    write_whole_file(directory.bus(), address.dump() + "\n", Readers::Owner);
   }
 
   wire::Finished run() {

@@ -42,6 +42,7 @@ LcmReceiver::LcmReceiver(const ReceiverOptions& options) {
           fmt::format("wire: liblcm cannot listen on udp {}:{}: a firewall filters multicast or "
                       "another program holds the port. `wire.receive: own` says which.",
                       kGroup, options.port));
+  if (options.ttl == 0) loopback_.listen(options.port);
   lcm_subscription_set_queue_capacity(subscription, 0);  // the default drops beyond 30 messages
   lcm_->fd = lcm_get_fileno(lcm_->handle);
   require(lcm_->fd >= 0 && lcm_->fd < FD_SETSIZE,

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "protocol/wire/loopback_route.h"
 #include "protocol/wire/receiver.h"
 
 namespace tandem::wire {
@@ -27,6 +28,7 @@ class LcmReceiver final : public Receiver {
   };
   struct Lcm;
 
+  LoopbackRoute loopback_;  // before liblcm has sockets
   std::unique_ptr<Lcm> lcm_;
   std::deque<Message> arrived_;
   Message handed_out_;

@@ -41,6 +41,10 @@ void command_and_replay(const std::vector<std::string>& more, const Environment&
   ChildProcess run(endless_run(out, more), environment);
   ASSERT_TRUE(stepping(out)) << run.output();
 
+  // Whoever reads the run's address may command it.
+  constexpr auto kOthers = std::filesystem::perms::group_all | std::filesystem::perms::others_all;
+  EXPECT_EQ(std::filesystem::status(out / "bus.json").permissions() & kOthers,
+            std::filesystem::perms::none);
   const Ended force = control(out, {"force", "tip", "0,0.5,1.25"});
   EXPECT_EQ(force.code, 0) << force.output;
   EXPECT_NE(force.output.find("macro step "), std::string::npos) << force.output;
