@@ -23,7 +23,7 @@ scenario::Loaded load_with_checksum(const std::filesystem::path& file,
   scenario::Loaded loaded = scenario::load(file, scenario_table(), overrides);
   const scenario::Node fem = loaded.root.section("fem");
   if (!fem.has("mesh") || fem.section("mesh").has("checksum")) return loaded;
-  const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));
+  const std::string checksum = fem::mesh_checksum(fem.section("mesh").input_file("file"));
   if (checksum.empty()) return loaded;
   // In quotes: digits alone would be a number.
   overrides.push_back({"fem.mesh.checksum", "'" + checksum + "'"});

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
@@ -283,6 +284,65 @@ TEST(RunEnvironment, ClosedStandardStreamsHarmNoFile) {
   const Ended log = shell(kTandem + " log --csv '" + (folder / "run").string() + "' > /dev/full");
   EXPECT_EQ(log.code, 4) << log.output;
   EXPECT_TRUE(has(log.output, "cannot write the export: No space left on device")) << log.output;
+}
+
+/// Waits until a run has written so many bytes of its log.
+void await_steps(const std::filesystem::path& run) {
+  for (int i = 0; i < 3000; ++i) {
+    std::error_code error;
+    if (std::filesystem::file_size(run / "exchange.lcm", error) > 100'000 && !error) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+TEST(RunEnvironment, AFolderThatIsRemovedInMidRunIsNoticedAtOnce) {
+  for (const std::string transport : {"lcm", "inproc"}) {
+    const TemporaryFolder folder("tandem_removed");
+    ChildProcess tandem(run_of("two_masses", folder / "run",
+                               {"--set", "run.duration_s=1000", "--transport", transport}));
+    await_steps(folder / "run");
+    std::filesystem::remove_all(folder / "run");
+    EXPECT_EQ(tandem.wait(kLimit_s), 4) << tandem.output();
+    EXPECT_TRUE(has(tandem.output(), "exchange.lcm was removed while it was written"))
+        << tandem.output();
+    EXPECT_TRUE(processes_with(folder.path().string()).empty());
+  }
+}
+
+// Its sides give it up and end; continued, it finds them gone, and has forwarded nothing.
+TEST(RunEnvironment, AQuietTandemThatWasFrozenSaysTheCause) {
+  const TemporaryFolder folder("tandem_frozen");
+  ChildProcess tandem(run_of("two_masses", folder / "run",
+                             {"--set", "run.duration_s=1000", "--set", "wire.timeout_s=0.5"}));
+  await_steps(folder / "run");
+  tandem.signal(SIGSTOP);
+  for (int i = 0; i < 3000 && processes_with(folder.path().string()).size() > 1; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  tandem.signal(SIGCONT);
+  EXPECT_EQ(tandem.wait(kLimit_s), 4) << tandem.output();
+  EXPECT_TRUE(has(tandem.output(), "nothing heard from tandem (the orchestrator) for 0.5 s"))
+      << tandem.output();
+}
+
+TEST(RunEnvironment, AMeshThatIsNoFileIsRefusedAtItsPlace) {
+  const TemporaryFolder folder("tandem_pipe_mesh");
+  ASSERT_EQ(mkfifo((folder / "pipe.msh").c_str(), 0600), 0);
+  std::filesystem::create_directory(folder / "folder.msh");
+  const std::string scenario = kExamples + "pendulum_beam/scenario.yaml";
+  for (const auto& [file, words] : std::vector<std::pair<std::string, std::string>>{
+           {(folder / "pipe.msh").string(), "a pipe or device, not a file"},
+           {(folder / "folder.msh").string(), "a folder, not a file"},
+           {"/dev/zero", "a pipe or device, not a file"},
+           {(folder / "none.msh").string(), "cannot be read: No such file or directory"}}) {
+    for (const std::string command : {"check", "run", "fem"}) {
+      const Ended ended =
+          run_command({kTandem, command, scenario, "--set", "fem.mesh.file=" + file}, {}, kLimit_s);
+      EXPECT_EQ(ended.code, 2) << command << " " << file << ": " << ended.output;
+      EXPECT_TRUE(has(ended.output, "fem.mesh.file: '" + file + "' ")) << ended.output;
+      EXPECT_TRUE(has(ended.output, words)) << ended.output;
+    }
+  }
 }
 
 TEST(RunEnvironment, AReaderThatLeavesDoesNotEndTheRun) {
