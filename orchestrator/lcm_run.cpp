@@ -64,6 +64,7 @@ class LcmRun {
         heartbeat_(bus_, model.wire.timeout_s),
         launch_({Process::Mbs, Process::Fem}, directory, run_id, bus_.options().port,
                 options.attach, options.silent) {
+    warn_of_buffer(model.port_names.size());
     const nlohmann::ordered_json address = {{"run_id", fmt::format("{:016x}", run_id)},
                                             {"port", bus_.options().port},
                                             {"ttl", bus_.options().ttl}};
@@ -89,6 +90,20 @@ class LcmRun {
   }
 
  private:
+  /// A step of two calls that a small receive buffer cannot hold is sent in several goes.
+  void warn_of_buffer(std::size_t ports) const {
+    constexpr std::size_t kBytesPerPort = 2 * 48 + 104 + 2 * 104 + 48;
+    const int granted = bus_.receive_buffer_bytes();
+    if (silent_ || granted <= 0 || granted >= 2 * bus_.options().receive_buffer_bytes) return;
+    if (ports * kBytesPerPort < wire::unrecorded_bytes(granted)) return;
+    std::fprintf(stderr,
+                 "note: the kernel grants a receive buffer of %d KiB, less than the %zu KiB of a "
+                 "macro step of %zu ports: messages take several round trips. As root: sysctl -w "
+                 "net.core.rmem_max=%d\n",
+                 granted / 1024, ports * kBytesPerPort / 1024, ports,
+                 bus_.options().receive_buffer_bytes);
+  }
+
   /// Until both processes have been heard; says who is waiting for whom when it takes long.
   void await_sides() {
     heartbeat_.set_phase("waiting for both sides");

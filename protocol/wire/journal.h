@@ -64,6 +64,10 @@ struct StepJournal {
   std::vector<CallRecord> calls;  ///< in the order they were made, discarded ones too
 };
 
+/// Bytes of journals that may be unrecorded: as many as a receive buffer of this size (0 = not
+/// known) holds while the orchestrator writes.
+[[nodiscard]] std::size_t unrecorded_bytes(int receive_buffer_bytes);
+
 /// How the run ended, said once by the driver.
 struct Finished {
   int exit_code = 0;

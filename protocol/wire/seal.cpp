@@ -69,6 +69,8 @@ const char* text_of(Kind kind) {
       return "control";
     case Kind::Controlled:
       return "controlled";
+    case Kind::Missing:
+      return "missing";
   }
   return "unknown";
 }

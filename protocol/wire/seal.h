@@ -30,8 +30,9 @@ enum class Kind : std::int32_t {
   SelfTest = 15,
   Control = 16,
   Controlled = 17,
+  Missing = 18,
 };
-inline constexpr std::size_t kKinds = 18;
+inline constexpr std::size_t kKinds = 19;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
 
 /// The processes of a run.

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "protocol/wire/chunks.h"
+#include "protocol/wire/chunks_sent.h"
 #include "protocol/wire/messages.h"
 
 namespace tandem::wire {
@@ -29,9 +30,13 @@ Bytes some_message(std::size_t size) {
   return message;
 }
 
-std::vector<Bytes> parts_of(Bytes message, std::int32_t attempt = 0) {
+std::vector<Bytes> parts_of(const Bytes& message, std::int32_t attempt = 0) {
   std::vector<Bytes> parts;
-  cut(message, attempt, [&parts](ByteView part) { parts.emplace_back(part.begin(), part.end()); });
+  SentMessage sent(message);
+  for (std::size_t i = 0; i < sent.parts(); ++i) {
+    sent.send(i, i + 1 == sent.parts(), attempt,
+              [&parts](ByteView part) { parts.emplace_back(part.begin(), part.end()); });
+  }
   return parts;
 }
 
@@ -116,6 +121,55 @@ TEST(WireChunks, AClaimTakesNoMemoryBeforeItsPartsAreHere) {
     EXPECT_FALSE(assembler.add(first_of(64 << 20, sequence, bytes)).has_value());
   }
   EXPECT_LT(resident_bytes() - before, 8 << 20);
+}
+
+TEST(WireChunks, WhatIsMissingIsToldAndSentAlone) {
+  const Bytes message = some_message(600000);
+  const std::vector<Bytes> parts = parts_of(message);
+  ASSERT_EQ(parts.size(), 11U);
+  Assembler assembler;
+  for (const std::size_t i : {0U, 1U, 2U, 5U}) {
+    EXPECT_FALSE(assembler.add(*decode_chunk(parts[i])).has_value());
+  }
+  const auto request = assembler.lacks(4);
+  ASSERT_TRUE(request.has_value());
+  EXPECT_EQ(request->sender, Process::Mbs);
+  EXPECT_EQ(request->missing.wanted, (std::vector<std::int32_t>{3, 4, 6, 7}));
+  EXPECT_EQ(assembler.lacks(100)->missing.wanted,
+            (std::vector<std::int32_t>{3, 4, 6, 7, 8, 9, 10}));
+
+  Missing missing = request->missing;
+  const Missing crossed = decode_missing(encode(missing)).value();
+  EXPECT_EQ(crossed.wanted, missing.wanted);
+  SentMessages sent;
+  sent.keep("a", some_message(400000));
+  sent.keep("b", message);
+  SentMessages::Entry* entry = sent.find(crossed);
+  ASSERT_NE(entry, nullptr);
+  EXPECT_EQ(entry->channel, "b");
+  ++missing.whole_checksum;
+  EXPECT_EQ(sent.find(missing), nullptr);
+
+  std::optional<ByteView> whole;
+  for (const std::size_t i : {3U, 4U, 6U, 7U, 8U, 9U, 10U}) {
+    whole = assembler.add(*decode_chunk(parts[i]));
+  }
+  ASSERT_TRUE(whole.has_value());
+  EXPECT_TRUE(std::equal(whole->begin(), whole->end(), message.begin(), message.end()));
+  EXPECT_FALSE(assembler.lacks(4).has_value());
+}
+
+// A repetition is the first part alone: the receiver has the rest.
+TEST(WireChunks, TheFirstPartOfTheLastMessageRepeatsIt) {
+  const Bytes message = some_message(130000);
+  Assembler assembler;
+  for (const Bytes& part : parts_of(message)) (void)assembler.add(*decode_chunk(part));
+  Bytes again;
+  SentMessage(message).send(0, true, 1,
+                            [&again](ByteView part) { again.assign(part.begin(), part.end()); });
+  const auto whole = assembler.add(*decode_chunk(again));
+  ASSERT_TRUE(whole.has_value());
+  EXPECT_TRUE(std::equal(whole->begin(), whole->end(), message.begin(), message.end()));
 }
 
 }  // namespace
