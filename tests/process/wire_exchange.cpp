@@ -218,6 +218,28 @@ TEST(WireExchange, AGapInTheRequestNumbersEndsTheServer) {
   EXPECT_EQ(served.side.advances, 0);
 }
 
+// With short time-outs a heartbeat comes more often than a wait for one takes.
+TEST(WireLiveness, TheHeartbeatOfOnePartnerDoesNotHideTheSilenceOfAnother) {
+  constexpr double kShort_s = 0.5;
+  const std::uint64_t run = random_run_id();
+  const int port = free_port();
+  Bus fem({.self = Process::Fem, .run_id = run, .port = port});
+  const Heartbeat heartbeat(fem, kShort_s);
+  Bus bus({.self = Process::Mbs, .run_id = run, .port = port});
+  LivenessMonitor monitor(bus, {Process::Fem, Process::Orchestrator}, kShort_s);
+  std::string error;
+  for (const double end_s = now_s() + 5.0; error.empty() && now_s() < end_s;) {
+    try {
+      monitor.wait(0.2);
+    } catch (const Error& caught) {
+      error = caught.what();
+    }
+  }
+  EXPECT_NE(error.find("tandem (the orchestrator) has not been heard within 0.5 s"),
+            std::string::npos)
+      << error;
+}
+
 TEST(WireExchange, LeavesNoThreadBehind) {
   const std::size_t before = threads_of_this_process();
   {
@@ -348,14 +370,15 @@ TEST(WireBus, ThatStaysOnTheHostListensOnTheLoopbackInterfaceAlone) {
 }
 
 // In an empty network namespace there is no route at all.
-TEST(WireBus, AMissingRouteIsAUsageErrorWithTheRemedy) {
+TEST(WireBus, AMissingRouteIsTheMachinesErrorWithTheRemedy) {
   const pid_t child = fork();
   if (child == 0) {
     if (unshare(CLONE_NEWNET) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) _exit(77);
     try {
       const Bus bus({.self = Process::Mbs, .run_id = 1, .port = 20000});
     } catch (const Error& error) {
-      _exit(std::strstr(error.what(), "ip route add 224.0.0.0/4 dev lo") != nullptr ? 0 : 1);
+      const bool tells = std::strstr(error.what(), "ip route add 224.0.0.0/4 dev lo") != nullptr;
+      _exit(tells && error.kind() == ErrorKind::System ? 0 : 1);
     }
     _exit(2);
   }
