@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <exception>
 #include <memory>
 #include <string>
 
@@ -32,6 +33,7 @@ class LcmReceiver final : public Receiver {
   std::unique_ptr<Lcm> lcm_;
   std::deque<Message> arrived_;
   Message handed_out_;
+  std::exception_ptr failure_;  ///< of the callback
 };
 
 }  // namespace tandem::wire

@@ -83,6 +83,8 @@ nlohmann::json command_and_replay(const std::vector<std::string>& more,
   EXPECT_EQ(late.code, 4) << late.output;
   EXPECT_NE(late.output.find("no run answers"), std::string::npos) << late.output;
 
+  const Ended csv = tandem_command({"log", out.string(), "--csv"});
+  EXPECT_NE(csv.output.find(",command,1,0,0,0,\"force 0,0.5,1.25 tip\","), std::string::npos);
   const Ended replay = tandem_command({"replay", out.string(), "--side", "fem"});
   EXPECT_EQ(replay.code, 0) << replay.output;
   return summary_of(out);

@@ -204,7 +204,7 @@ TEST(RunEnvironment, AHostWithoutMulticastRouteIsToldTheRemedy) {
   }
   const auto begin = std::chrono::steady_clock::now();
   const Ended ended = shell("exec unshare -n " + shell_run(folder / "run"));
-  EXPECT_EQ(ended.code, 2) << ended.output;
+  EXPECT_EQ(ended.code, 4) << ended.output;
   EXPECT_TRUE(has(ended.output, "no route to the multicast group")) << ended.output;
   EXPECT_TRUE(has(ended.output, "ip route add 224.0.0.0/4 dev lo")) << ended.output;
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
@@ -307,6 +307,25 @@ TEST(RunEnvironment, AFolderThatIsRemovedInMidRunIsNoticedAtOnce) {
         << tandem.output();
     EXPECT_TRUE(processes_with(folder.path().string()).empty());
   }
+}
+
+// A side that is frozen or outlives its run would keep the log's space and the port taken.
+TEST(RunEnvironment, SidesHaveNoFileOfTheProcessThatStartedThem) {
+  const TemporaryFolder folder("tandem_descriptors");
+  ChildProcess tandem(run_of("two_masses", folder / "run", {"--set", "run.duration_s=1000"}));
+  await_steps(folder / "run");
+  int sides = 0;
+  for (const pid_t pid : processes_with(folder.path().string())) {
+    if (pid == tandem.pid()) continue;
+    ++sides;
+    for (const auto& entry :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {
+      std::error_code error;
+      const auto file = std::filesystem::read_symlink(entry.path(), error).filename();
+      EXPECT_TRUE(file != "exchange.lcm" && file != "steps.csv" && file != "ports.csv") << file;
+    }
+  }
+  EXPECT_EQ(sides, 2);
 }
 
 // Its sides give it up and end; continued, it finds them gone, and has forwarded nothing.
