@@ -44,7 +44,7 @@ Key mesh_key() {
 }
 
 MeshParams read_mesh_params(const Node& node) {
-  return {.file = node.input_file("file"),
+  return {.file = node.path("file"),
           .length_scale_m = node.real("length_scale_m"),
           .order = node.has("order") ? static_cast<int>(node.integer("order")) : 0,
           .position_m = node.vector3("position_m"),

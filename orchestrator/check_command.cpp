@@ -160,6 +160,7 @@ void add_check(CLI::App& app) {
   sub->callback([options] {
     const scenario::Loaded loaded = scenario::load(options->file, fem_scenario_table(),
                                                    with_nodes(options->file, options->overrides()));
+    require_mesh_file(loaded.root);
     const bool coupled = loaded.root.has("mbs");
     std::printf(
         "%s",

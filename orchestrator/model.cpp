@@ -42,9 +42,10 @@ scenario::Loaded load_with_checksum(const std::filesystem::path& file,
                                     std::vector<scenario::Override> overrides) {
   overrides = with_nodes(file, std::move(overrides));
   scenario::Loaded loaded = load_coupled(file, overrides);
+  require_mesh_file(loaded.root);
   const scenario::Node fem = loaded.root.section("fem");
   if (!fem.has("mesh") || fem.section("mesh").has("checksum")) return loaded;
-  const std::string checksum = fem::mesh_checksum(fem.section("mesh").input_file("file"));
+  const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));
   if (checksum.empty()) return loaded;
   // In quotes: digits alone would be a number.
   overrides.push_back({"fem.mesh.checksum", "'" + checksum + "'"});
