@@ -361,6 +361,12 @@ TEST(RunEnvironment, AMeshThatIsNoFileIsRefusedAtItsPlace) {
       EXPECT_TRUE(has(ended.output, "fem.mesh.file: '" + file + "' ")) << ended.output;
       EXPECT_TRUE(has(ended.output, words)) << ended.output;
     }
+    // Of a nodal coupling the mesh makes the ports and the bodies: it is read before all else.
+    const Ended nodal = run_command(
+        {kTandem, "run", kExamples + "bar15/scenario.yaml", "--set", "fem.mesh.file=" + file}, {},
+        kLimit_s);
+    EXPECT_EQ(nodal.code, 2) << nodal.output;
+    EXPECT_TRUE(has(nodal.output, words)) << nodal.output;
   }
 }
 
