@@ -4,9 +4,9 @@
 #include <bit>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::fem {
 namespace {
@@ -27,15 +27,6 @@ std::string base64(const std::vector<unsigned char>& bytes) {
     }
   }
   return text;
-}
-
-void save(const std::filesystem::path& file, const std::string& text) {
-  std::ofstream out(file, std::ios::binary);
-  out << text;
-  out.close();
-  if (out.good()) return;
-  throw Error(ErrorKind::System,
-              "fem: cannot write " + file.string() + ". Check the folder and the free space.");
 }
 
 }  // namespace
@@ -68,7 +59,7 @@ void VtuSeries::write(SimTime time, const std::string& vtu) {
   char number[24];
   std::snprintf(number, sizeof number, "_%06lld", static_cast<long long>(seen_ - 1));
   const std::string file = name_ + number + ".vtu";
-  save(folder_ / file, vtu);
+  write_whole_file(folder_ / file, vtu);
   written_.emplace_back(to_seconds(time), file);
   write_pvd();
 }
@@ -82,7 +73,7 @@ void VtuSeries::write_pvd() const {
     text += "<DataSet timestep=\"" + std::string(value) + "\" part=\"0\" file=\"" + file + "\"/>\n";
   }
   text += "</Collection>\n</VTKFile>\n";
-  save(folder_ / (name_ + ".pvd"), text);
+  write_whole_file(folder_ / (name_ + ".pvd"), text);
 }
 
 }  // namespace tandem::fem

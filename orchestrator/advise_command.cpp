@@ -9,7 +9,7 @@
 #include "orchestrator/option_checks.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_options.h"
-#include "orchestrator/text_file.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -31,15 +31,16 @@ struct AdviseCommand {
   }
 
   void run() {
-    options.folder =
+    const RunDirectory directory =
         RunDirectory::create_group(scenario.folder(), load("", 0.0, 0.0).name, "advise");
+    options.folder = directory.path();
     const Advice advice =
         advise([this](const std::string& scheme, double step_s,
                       double duration_s) { return load(scheme, step_s, duration_s); },
                options);
     const std::string text = advice_text(advice);
-    write_text_file(options.folder / "advise.json", advice_json(advice).dump(2) + "\n");
-    write_text_file(options.folder / "advise.txt", text);
+    write_whole_file(options.folder / "advise.json", advice_json(advice).dump(2) + "\n");
+    write_whole_file(options.folder / "advise.txt", text);
     std::printf("\n%s\nresults: %s\n", text.c_str(), options.folder.c_str());
   }
 };

@@ -12,7 +12,7 @@
 
 #include "orchestrator/exchange_benchmark.h"
 #include "orchestrator/option_checks.h"
-#include "orchestrator/text_file.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -57,7 +57,7 @@ struct BenchExchange {
         for (Json& row : measure(count, placement)) rows.push_back(std::move(row));
       }
     }
-    if (!json.empty()) write_text_file(json, Json{{"rows", rows}}.dump(2) + "\n");
+    if (!json.empty()) write_whole_file(json, Json{{"rows", rows}}.dump(2) + "\n");
   }
 
  private:

@@ -14,8 +14,8 @@
 
 #include "fem_process/step_benchmark.h"
 #include "orchestrator/option_checks.h"
-#include "orchestrator/text_file.h"
 #include "protocol/contract/sim_time.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -69,7 +69,7 @@ struct BenchCommand {
     for (const std::string& mesh : meshes) {
       for (const std::string& name : cases) measure(mesh, fem::benchmark_case(name), rows);
     }
-    if (!json.empty()) write_text_file(json, Json{{"rows", rows}}.dump(2) + "\n");
+    if (!json.empty()) write_whole_file(json, Json{{"rows", rows}}.dump(2) + "\n");
   }
 
  private:

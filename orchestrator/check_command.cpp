@@ -13,6 +13,7 @@
 #include "fem_process/fem_keys.h"
 #include "fem_process/flexible_side.h"
 #include "fem_process/highest_frequency.h"
+#include "fem_process/make_model.h"
 #include "fem_process/tet10.h"
 #include "mbs_process/joint_drift.h"
 #include "mbs_process/make_side.h"
@@ -126,7 +127,8 @@ std::string check_flexible(const std::string& file, const scenario::Node& root) 
 std::string check_coupled(const ScenarioOptions& options) {
   const Model model = options.load();
   const auto mbs = mbs::make_side(model.scenario.root, {});
-  const auto fem = make_fem(model, {});
+  (void)make_fem(model, {});  // with what the scheme puts before it
+  const auto fem = fem::make_model(model.scenario.root, {});
   std::string text =
       fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
                   model.run.macro_steps(), to_seconds(model.run.macro_step),
@@ -166,6 +168,7 @@ void add_check(CLI::App& app) {
   sub->callback([options] {
     const scenario::Loaded loaded = scenario::load(options->file, fem_scenario_table(),
                                                    with_nodes(options->file, options->overrides()));
+    require_mesh_file(loaded.root);
     const bool coupled = loaded.root.has("mbs");
     std::printf(
         "%s",

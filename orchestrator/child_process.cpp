@@ -36,6 +36,8 @@ class OutputToLog {
     posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, log.c_str(),
                                      O_WRONLY | O_CREAT | O_APPEND, 0644);
     posix_spawn_file_actions_adddup2(&actions_, STDOUT_FILENO, STDERR_FILENO);
+    // The log and the sockets of this process, which liblcm opens without O_CLOEXEC.
+    posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
   }
   ~OutputToLog() { posix_spawn_file_actions_destroy(&actions_); }
   OutputToLog(const OutputToLog&) = delete;

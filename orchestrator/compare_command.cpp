@@ -12,9 +12,9 @@
 #include "orchestrator/option_checks.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_options.h"
-#include "orchestrator/text_file.h"
 #include "orchestrator/work_precision.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -33,7 +33,7 @@ struct CompareCommand {
     options.scheme_option = "--schemes";
     return options.load();
   }
-  [[nodiscard]] std::filesystem::path new_folder() const {
+  [[nodiscard]] RunDirectory new_folder() const {
     return RunDirectory::create_group(scenario.folder(), load("").name, "compare");
   }
 
@@ -43,8 +43,9 @@ struct CompareCommand {
     require(transport == "lcm", "--transport: compare without --steps runs both transports.");
     require(tolerances.empty(),
             "--tolerances: needs --steps; the smallest is the first of the adaptive ones.");
+    const RunDirectory directory = new_folder();
     const CompareOptions options{
-        .repeat = repeat > 0 ? repeat : 3, .schemes = schemes, .folder = new_folder()};
+        .repeat = repeat > 0 ? repeat : 3, .schemes = schemes, .folder = directory.path()};
     const Comparison comparison =
         compare([this](const std::string& scheme) { return load(scheme); }, options);
     finish(options.folder, compare_json(comparison), compare_table(comparison));
@@ -55,12 +56,13 @@ struct CompareCommand {
   }
 
   [[nodiscard]] int compare_precision() const {
+    const RunDirectory directory = new_folder();
     const WorkPrecisionOptions options{.schemes = schemes,
                                        .steps_s = steps_s,
                                        .tolerances = tolerances,
                                        .mode = transport == "lcm" ? Mode::Lcm : Mode::Inproc,
                                        .repeat = repeat > 0 ? repeat : 1,
-                                       .folder = new_folder()};
+                                       .folder = directory.path()};
     const auto load_step = [this](const std::string& scheme, double step_s, double tolerance) {
       CompareCommand stepped = *this;
       const std::string step = fmt::format("{}", step_s);
@@ -70,16 +72,16 @@ struct CompareCommand {
       return stepped.load(scheme);
     };
     const WorkPrecision result = work_precision(load_step, options);
-    write_text_file(options.folder / "compare.csv", work_precision_csv(result));
-    write_text_file(options.folder / "compare.svg", work_precision_svg(result));
+    write_whole_file(options.folder / "compare.csv", work_precision_csv(result));
+    write_whole_file(options.folder / "compare.svg", work_precision_svg(result));
     finish(options.folder, work_precision_json(result), work_precision_table(result));
     return 0;
   }
 
   static void finish(const std::filesystem::path& folder, const nlohmann::ordered_json& json,
                      const std::string& table) {
-    write_text_file(folder / "compare.json", json.dump(2) + "\n");
-    write_text_file(folder / "compare.txt", table);
+    write_whole_file(folder / "compare.json", json.dump(2) + "\n");
+    write_whole_file(folder / "compare.txt", table);
     std::printf("\n%s\nresults: %s\n", table.c_str(), folder.c_str());
   }
 };

@@ -38,7 +38,14 @@ CsvTable::CsvTable(const std::filesystem::path& file) : file_(file) {
   names_ = cells_of(line);
   columns_.resize(names_.size());
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
-    if (!stream.eof()) append(line, number);
+    if (!stream.eof()) {
+      append(line, number);
+    } else if (!line.empty()) {
+      remark_ = fmt::format(
+          "{}:{}: the last row has no end: its writer was killed, or the disk was full. It is left "
+          "out.",
+          file.string(), number);
+    }
   }
 }
 

@@ -19,8 +19,8 @@
 #include "orchestrator/nodal_scenario.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_table.h"
-#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/scenario/common_keys.h"
 
@@ -239,12 +239,14 @@ struct FemCommand {
     for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
     const scenario::Loaded loaded =
         scenario::load(file, fem_scenario_table(), with_nodes(file, overrides));
-    const std::filesystem::path folder = RunDirectory::create_group(
+    require_mesh_file(loaded.root);
+    const RunDirectory directory = RunDirectory::create_group(
         out.empty() ? std::nullopt : std::optional<std::filesystem::path>(out),
         loaded.root.text("name"), "fem");
+    const std::filesystem::path& folder = directory.path();
     const FemOutcome outcome = run_fem(loaded.root, analysis, folder);
-    write_text_file(folder / "scenario.yaml", loaded.resolved_yaml);
-    write_text_file(folder / "fem.json", outcome.results.dump(2) + "\n");
+    write_whole_file(folder / "scenario.yaml", loaded.resolved_yaml);
+    write_whole_file(folder / "fem.json", outcome.results.dump(2) + "\n");
     std::printf("%s\n", (folder / "fem.json").string().c_str());
     if (outcome.exit_code != 0) {
       std::fprintf(stderr, "%s\n", outcome.results["message"].get<std::string>().c_str());

@@ -10,8 +10,8 @@
 
 #include "orchestrator/interruption.h"
 #include "orchestrator/side_launch.h"
-#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "protocol/driver/control_inbox.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/journal_receiver.h"
@@ -64,10 +64,12 @@ class LcmRun {
         heartbeat_(bus_, model.wire.timeout_s),
         launch_({Process::Mbs, Process::Fem}, directory, run_id, bus_.options().port,
                 options.attach, options.silent) {
+    warn_of_buffer(model.port_names.size());
     const nlohmann::ordered_json address = {{"run_id", fmt::format("{:016x}", run_id)},
                                             {"port", bus_.options().port},
                                             {"ttl", bus_.options().ttl}};
-    write_text_file(directory.bus(), address.dump() + "\n");
+    // Whoever knows the run id can command the run.
+    write_whole_file(directory.bus(), address.dump() + "\n", Readers::Owner);
   }
 
   wire::Finished run() {
@@ -88,6 +90,20 @@ class LcmRun {
   }
 
  private:
+  /// A step of two calls that a small receive buffer cannot hold is sent in several goes.
+  void warn_of_buffer(std::size_t ports) const {
+    constexpr std::size_t kBytesPerPort = 2 * 48 + 104 + 2 * 104 + 48;
+    const int granted = bus_.receive_buffer_bytes();
+    if (silent_ || granted <= 0 || granted >= 2 * bus_.options().receive_buffer_bytes) return;
+    if (ports * kBytesPerPort < wire::unrecorded_bytes(granted)) return;
+    std::fprintf(stderr,
+                 "note: the kernel grants a receive buffer of %d KiB, less than the %zu KiB of a "
+                 "macro step of %zu ports: messages take several round trips. As root: sysctl -w "
+                 "net.core.rmem_max=%d\n",
+                 granted / 1024, ports * kBytesPerPort / 1024, ports,
+                 bus_.options().receive_buffer_bytes);
+  }
+
   /// Until both processes have been heard; says who is waiting for whom when it takes long.
   void await_sides() {
     heartbeat_.set_phase("waiting for both sides");
@@ -115,6 +131,9 @@ class LcmRun {
 
   wire::Finished record_from_mbs(wire::LivenessMonitor& monitor) {
     wire::JournalReceiver receiver(bus_, monitor, static_cast<int>(model_.wire.credit_window));
+    monitor.also_watch([this] { launch_.supervise({Process::Mbs}); });
+    (void)wire::greet(bus_, monitor, expected(Process::Mbs), model_.wire.start_timeout_s);
+    monitor.also_watch({});
     std::optional<wire::Finished> finished;
     double patience_end_s = 0.0;
     // The driver leaves once it knows that its last entry is recorded; the credit that says so may
@@ -138,6 +157,13 @@ class LcmRun {
     return *finished;
   }
 
+  [[nodiscard]] wire::RemoteOptions expected(Process side) const {
+    return {.side = side,
+            .scenario_hash = model_.scenario.hash,
+            .port_names = model_.port_names,
+            .tandem_version = kTandemVersion};
+  }
+
   bool driver_left() {
     // Sides started by hand are not ours to wait for: they linger long enough for the last credit.
     return launch_.started(Process::Mbs) ? launch_.ended(Process::Mbs).has_value() : true;
@@ -155,14 +181,8 @@ class LcmRun {
 
   wire::Finished drive_here(wire::LivenessMonitor& monitor) {
     monitor.also_watch([this] { launch_.supervise({Process::Mbs, Process::Fem}); });
-    const auto options = [&](Process side) {
-      return wire::RemoteOptions{.side = side,
-                                 .scenario_hash = model_.scenario.hash,
-                                 .port_names = model_.port_names,
-                                 .tandem_version = kTandemVersion};
-    };
-    wire::RemoteMbs mbs(bus_, monitor, options(Process::Mbs));
-    wire::RemoteFem fem(bus_, monitor, options(Process::Fem));
+    wire::RemoteMbs mbs(bus_, monitor, expected(Process::Mbs));
+    wire::RemoteFem fem(bus_, monitor, expected(Process::Fem));
     HubSink sink(recorder_, heartbeat_, monitor, launch_);
     ControlInbox inbox(bus_);
     CoupledRunParams params = scheme_run(model_.run, model_.coupling);

@@ -15,12 +15,39 @@
 namespace tandem::orchestrator {
 namespace {
 
-std::string call_row(const wire::CallRecord& call, SimTime time) {
-  return fmt::format(
-             "{},{},{},{},{},{},{},", call.macro_step, call.iteration, wire::text_of(call.side),
-             call.kind == wire::CallKind::Initialize ? "initialize" : "advance",
-             call.accepted ? 1 : 0, call.rollback_first ? 1 : 0, static_cast<int>(call.outcome)) +
-         interface_row({time, call.motions.end, call.wrenches.end});
+const char* text_of(wire::CallKind kind) {
+  switch (kind) {
+    case wire::CallKind::Initialize:
+      return "initialize";
+    case wire::CallKind::Advance:
+      return "advance";
+    case wire::CallKind::Command:
+      return "command";
+  }
+  return "unknown";
+}
+
+/// A cell of any text (RFC 4180).
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string cell = "\"";
+  for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return cell + '"';
+}
+
+/// `begin`: the accepted time that the call sets out from. An attempt that an adaptive step rejects
+/// has an H, and so an end, of its own.
+std::string call_row(const wire::CallRecord& call, SimTime begin, std::size_t ports) {
+  AcceptedInterface interface { begin + call.step, call.motions.end, call.wrenches.end };
+  std::string values = interface_row(interface);
+  if (interface.motions.empty() && interface.wrenches.empty()) {
+    values.insert(values.size() - 1, std::string(19 * ports, ','));
+  }
+  return fmt::format("{},{},{},{},{},{},{},{},{},", call.macro_step, call.iteration,
+                     wire::text_of(call.side), text_of(call.kind), call.accepted ? 1 : 0,
+                     call.rollback_first ? 1 : 0, static_cast<int>(call.outcome),
+                     to_seconds(call.step), quoted(call.command)) +
+         values;
 }
 
 void put(std::FILE* out, const std::string& text) {
@@ -48,12 +75,16 @@ std::string end_of(const wire::LogReader& log, std::int64_t steps) {
 void export_csv(const RunDirectory& run, std::FILE* out) {
   wire::LogReader log(run.log());
   const Model model = load_model(run.scenario(), {});
-  put(out, "macro_step,iteration,side,kind,accepted,rollback,outcome," +
+  put(out, "macro_step,iteration,side,kind,accepted,rollback,outcome,H_s,command," +
                interface_header(model.port_names));
+  SimTime begin{};
   while (const auto journal = log.next_step()) {
     for (const wire::CallRecord& call : journal->calls) {
-      if (call.kind != wire::CallKind::Command) put(out, call_row(call, journal->step.time));
+      const std::string misfit = wire::misfit(call, model.port_names.size());
+      require(misfit.empty(), fmt::format("{} is damaged: {}.", run.log().string(), misfit));
+      put(out, call_row(call, begin, model.port_names.size()));
     }
+    begin = journal->step.time;
   }
   if (std::fflush(out) != 0) put(out, "\n");
 }

@@ -18,4 +18,13 @@ void LogTail::forward() {
   }
 }
 
+std::string LogTail::last_line() const {
+  std::ifstream file(path_);
+  std::string last;
+  for (std::string line; std::getline(file, line);) {
+    if (!line.empty()) last = line;
+  }
+  return last;
+}
+
 }  // namespace tandem::orchestrator

@@ -15,6 +15,9 @@ class LogTail {
   /// Prints what has been added since the last call; whole lines only.
   void forward();
 
+  /// The last line that the process has written by now; empty when there is none.
+  [[nodiscard]] std::string last_line() const;
+
  private:
   std::string label_;
   std::filesystem::path path_;

@@ -38,6 +38,32 @@ void require_known_command(const CLI::App& app, int argc, char** argv) {
   }
 }
 
+/// CLI11 says of a mistyped option only that it was not expected, before the words behind it. Empty
+/// when all options are known.
+std::string unknown_option(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* command = &app;
+  for (std::vector<CLI::App*> below = command->get_subcommands(); !below.empty();
+       below = command->get_subcommands()) {
+    command = below.front();
+  }
+  std::vector<std::string> known;
+  for (const CLI::App* level = command; level != nullptr; level = level->get_parent()) {
+    for (const CLI::Option* option : level->get_options()) {
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    }
+  }
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const std::string given = word.substr(0, word.find('='));
+    if (!given.starts_with("--") || std::find(known.begin(), known.end(), given) != known.end()) {
+      continue;
+    }
+    return command->get_name() + ": there is no option '" + given + "'." +
+           tandem::scenario::did_you_mean(given, known) + " Run with --help for all.";
+  }
+  return {};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -60,6 +86,11 @@ int main(int argc, char** argv) {
   try {
     require_known_command(app, argc, argv);
     app.parse(argc, argv);
+  } catch (const CLI::ExtrasError& error) {
+    const std::string unknown = unknown_option(app, argc, argv);
+    if (unknown.empty()) return app.exit(error) == 0 ? 0 : 2;
+    std::fprintf(stderr, "%s\n", unknown.c_str());
+    return 2;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const Error& error) {

@@ -10,17 +10,39 @@
 #include "mbs_process/make_side.h"
 #include "orchestrator/nodal_scenario.h"
 #include "orchestrator/scenario_table.h"
+#include "protocol/contract/error.h"
 #include "protocol/schemes/transmission_line.h"
 
 namespace tandem::orchestrator {
 
 namespace {
 
+/// A scenario without the multibody side is one for `tandem fem`, which its defects do not say.
+scenario::Loaded load_coupled(const std::filesystem::path& file,
+                              const std::vector<scenario::Override>& overrides) {
+  try {
+    return scenario::load(file, scenario_table(), overrides);
+  } catch (const Error& error) {
+    const auto is_flexible_alone = [&] {
+      try {
+        return !scenario::load(file, fem_scenario_table(), overrides).root.has("mbs");
+      } catch (const Error&) {
+        return false;
+      }
+    };
+    if (!is_flexible_alone()) throw;
+    throw Error(error.kind(), fmt::format("{}\nWithout a section mbs it is a scenario of the "
+                                          "flexible side alone: tandem fem {}",
+                                          error.what(), file.string()));
+  }
+}
+
 /// Also with the mesh's fingerprint, so that a run folder tells which mesh it is about.
 scenario::Loaded load_with_checksum(const std::filesystem::path& file,
                                     std::vector<scenario::Override> overrides) {
   overrides = with_nodes(file, std::move(overrides));
-  scenario::Loaded loaded = scenario::load(file, scenario_table(), overrides);
+  scenario::Loaded loaded = load_coupled(file, overrides);
+  require_mesh_file(loaded.root);
   const scenario::Node fem = loaded.root.section("fem");
   if (!fem.has("mesh") || fem.section("mesh").has("checksum")) return loaded;
   const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));

@@ -96,6 +96,7 @@ std::vector<scenario::Override> made_of_nodes(const std::filesystem::path& file,
                              "with fem.coupling: nodal the bodies are made from the mesh. Leave "
                              "them out; joints and springs may name them node_<tag>.");
   }
+  require_mesh_file(root);
   std::string bodies;
   std::string ports;
   for (const fem::NodeMass& node : fem::node_masses(fem::read_params(root))) {

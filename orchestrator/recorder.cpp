@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "orchestrator/interruption.h"
+#include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
 
 namespace tandem::orchestrator {
@@ -19,10 +21,14 @@ Recorder::Recorder(const Model& model, const RunDirectory& directory, std::uint6
       progress_(model.name, model.run.macro_steps(), model.run.macro_step, silent) {
   so_far_.broken_off = true;
   so_far_.port_names = model.port_names;
-  write_text_file(directory.scenario(), model.scenario.resolved_yaml);
+  write_whole_file(directory.scenario(), model.scenario.resolved_yaml);
 }
 
 double Recorder::record(wire::StepJournal journal) {
+  for (const wire::CallRecord& call : journal.calls) {
+    const std::string misfit = wire::misfit(call, so_far_.port_names.size());
+    if (!misfit.empty()) throw Error(ErrorKind::Partner, "orchestrator: " + misfit + ".");
+  }
   log_is_whole_ = false;
   log_.write(journal);
   log_is_whole_ = true;

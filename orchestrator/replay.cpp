@@ -11,8 +11,8 @@
 #include "orchestrator/interruption.h"
 #include "orchestrator/output_difference.h"
 #include "orchestrator/side_launch.h"
-#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/event_log.h"
 #include "protocol/wire/remote_side.h"
@@ -77,6 +77,8 @@ void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, SideName name,
     throw_if_interrupted();
     for (const CallRecord& call : journal->calls) {
       if (call.side != name) continue;
+      const std::string misfit = wire::misfit(call, ports.size());
+      require(misfit.empty(), fmt::format("the log is damaged: {}.", misfit));
       const std::string difference = repeat(call, side, ports, tolerance);
       ++report.calls;
       report.discarded_calls += call.accepted ? 0 : 1;
@@ -93,8 +95,8 @@ void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, SideName name,
 /// Runs `use` with the side as a process of its own, driven from here.
 template <class Remote, class Use>
 void with_process(const Model& model, const std::filesystem::path& folder, Process side, Use use) {
-  const RunDirectory directory = RunDirectory::create(folder, model.name);
-  write_text_file(directory.scenario(), model.scenario.resolved_yaml);
+  const RunDirectory directory = RunDirectory::create_anew(folder);
+  write_whole_file(directory.scenario(), model.scenario.resolved_yaml);
   wire::BusOptions options;
   options.self = Process::Orchestrator;
   options.run_id = wire::random_run_id();
@@ -160,7 +162,6 @@ void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::Lo
     return check(*make_fem(model, {}));
   }
   const auto folder = run.path() / fmt::format("replay-{}", wire::text_of(options.side));
-  std::filesystem::remove_all(folder);
   if (options.side == SideName::Mbs) {
     with_process<wire::RemoteMbs>(model, folder, Process::Mbs, check);
   } else {

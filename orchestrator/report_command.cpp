@@ -7,7 +7,7 @@
 
 #include "orchestrator/commands.h"
 #include "orchestrator/report_page.h"
-#include "orchestrator/text_file.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::orchestrator {
 
@@ -20,10 +20,13 @@ void add_report(CLI::App& app) {
   sub->add_option("--out", *out, "HTML file [report.html in the first run folder]");
   sub->callback([runs, out] {
     const std::vector<std::filesystem::path> folders(runs->begin(), runs->end());
-    const std::string page = report_page(folders);
+    const ReportPage page = report_page(folders);
     const std::filesystem::path file =
         out->empty() ? folders.front() / "report.html" : std::filesystem::path(*out);
-    write_text_file(file, page);
+    write_whole_file(file, page.html);
+    for (const std::string& remark : page.remarks) {
+      std::fprintf(stderr, "note: %s\n", remark.c_str());
+    }
     std::printf("%s\n", file.c_str());
   });
 }

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "orchestrator/csv_table.h"
 #include "orchestrator/run_directory.h"
@@ -52,19 +54,40 @@ struct ReportedRun {
   std::string label;
   ordered_json summary;
   CsvTable ports, steps;
+  std::vector<std::string> remarks;  ///< of the tables
 };
+
+/// What the tables tell of a run that left no summary.
+ordered_json summary_of(const RunDirectory& run, const CsvTable& steps) {
+  const std::vector<double>& t_s = steps.column("t_s");
+  const std::vector<double>& iterations = steps.column("iterations");
+  const double rows = std::max(1.0, static_cast<double>(t_s.size()));
+  return {
+      {"scenario", std::filesystem::absolute(run.path()).filename().string()},
+      {"status", "killed"},
+      {"macro_steps", t_s.size()},
+      {"simulated_s", t_s.empty() ? 0.0 : t_s.back()},
+      {"iterations", {{"mean", std::accumulate(iterations.begin(), iterations.end(), 0.0) / rows}}},
+      {"message",
+       fmt::format("{}: missing or damaged: the recording process was killed. Shown is what "
+                   "its tables hold.",
+                   run.summary().string())}};
+}
 
 ReportedRun read_run(const std::filesystem::path& path, std::size_t number) {
   const RunDirectory run = RunDirectory::open(path);
+  CsvTable ports(run.path() / "ports.csv");
+  CsvTable steps(run.path() / "steps.csv");
   ordered_json summary = ordered_json::parse(std::ifstream(run.summary()), nullptr, false);
-  require(!summary.is_discarded(),
-          fmt::format("{}: cannot be read. A run that was killed leaves no summary; report on a "
-                      "complete one.",
-                      run.summary().string()));
+  if (summary.is_discarded()) summary = summary_of(run, steps);
   const std::string label =
-      fmt::format("{}: {}", number, summary.value("scheme", summary.value("mode", "")));
-  return {label, std::move(summary), CsvTable(run.path() / "ports.csv"),
-          CsvTable(run.path() / "steps.csv")};
+      fmt::format("{}: {}", number,
+                  summary.value("scheme", summary.value("mode", summary.value("status", ""))));
+  std::vector<std::string> remarks;
+  for (const CsvTable* table : {&ports, &steps}) {
+    if (!table->remark().empty()) remarks.push_back(table->remark());
+  }
+  return {label, std::move(summary), std::move(ports), std::move(steps), std::move(remarks)};
 }
 
 /// Every n-th point of a curve that is longer than can be seen, and the last one.
@@ -155,7 +178,8 @@ std::string summary_table(const std::vector<ReportedRun>& runs) {
                    s.value("iterations", none).value("mean", 0.0),
                    number_at(s.value("energy_J", none), "interface_defect_sum"),
                    s.value("state_hash", ""));
-    const auto message = s.value("message", "");
+    std::string message = s.value("message", "");
+    for (const std::string& remark : run.remarks) message += (message.empty() ? "" : " ") + remark;
     if (!message.empty()) {
       fmt::format_to(std::back_inserter(html),
                      "<tr><td></td><td class=\"message\" colspan=\"10\">{}</td></tr>\n",
@@ -187,7 +211,7 @@ std::string ledger_table(const std::vector<ReportedRun>& runs) {
 
 }  // namespace
 
-std::string report_page(const std::vector<std::filesystem::path>& folders) {
+ReportPage report_page(const std::vector<std::filesystem::path>& folders) {
   std::vector<ReportedRun> runs;
   for (const auto& folder : folders) runs.push_back(read_run(folder, runs.size() + 1));
   const std::string title = "Tandem: " + escaped(runs.front().summary.value("scenario", "runs"));
@@ -201,7 +225,14 @@ std::string report_page(const std::vector<std::filesystem::path>& folders) {
   }
   html += "<h2>Coupling</h2>\n" + step_plots(runs) + "<p>Run folders:</p><ol>\n";
   for (const auto& folder : folders) html += "<li>" + escaped(folder.string()) + "</li>\n";
-  return html + "</ol></body></html>\n";
+  ReportPage page{.html = html + "</ol></body></html>\n", .remarks = {}};
+  for (const ReportedRun& run : runs) {
+    if (run.summary.value("status", "") == "killed") {
+      page.remarks.push_back(run.summary.value("message", ""));
+    }
+    page.remarks.insert(page.remarks.end(), run.remarks.begin(), run.remarks.end());
+  }
+  return page;
 }
 
 }  // namespace tandem::orchestrator

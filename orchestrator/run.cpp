@@ -5,8 +5,8 @@
 #include "orchestrator/interruption.h"
 #include "orchestrator/lcm_run.h"
 #include "orchestrator/local_run.h"
-#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/bus.h"
 
@@ -112,7 +112,7 @@ RunOutcome run_model(const Model& model, const RunDirectory& directory, const Ru
     close(outcome, recorder);
   }
   try {
-    write_text_file(directory.summary(), text_of(outcome.summary, 2) + "\n");
+    write_whole_file(directory.summary(), text_of(outcome.summary, 2) + "\n");
   } catch (const Error& error) {
     // A full disk must not hide why the run itself ended.
     if (outcome.exit_code == 0) {

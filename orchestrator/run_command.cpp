@@ -66,8 +66,18 @@ struct RunCommand {
     }
   }
 
+  /// The monolithic step couples the sides themselves. The scenario of its folder says so where a
+  /// scheme would put a line between them: a replay then has the sides that were recorded.
+  [[nodiscard]] Model load() const {
+    Model model = scenario.load();
+    if (!monolithic || model.coupling.scheme != SchemeKind::Tlm) return model;
+    ScenarioOptions plain = scenario;
+    plain.changes.push_back({"coupling.scheme", "interface_jacobian", "--monolithic"});
+    return plain.load();
+  }
+
   int run() const {
-    const Model model = scenario.load();
+    const Model model = load();
     if (!monolithic) {
       for (const std::string& note : notes_of(model.coupling)) {
         std::fprintf(stderr, "warning: %s\n", note.c_str());

@@ -1,15 +1,20 @@
 #include "orchestrator/run_directory.h"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <ctime>
 #include <initializer_list>
 #include <system_error>
 
-#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -42,43 +47,81 @@ void create_folder(const fs::path& path) {
   if (error) refuse(path, error);
 }
 
-fs::path default_folder(const std::string& scenario_name, const std::string& prefix) {
+/// A new folder with the time in its name. Only making it tells that no other run has just chosen
+/// the same name.
+fs::path create_default(const std::string& scenario_name, const std::string& prefix) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  const fs::path parent = fs::path("runs") / scenario_name;
+  const fs::path parent = fs::absolute(fs::path("runs") / scenario_name);
   const std::string stamp = prefix + fmt::format("{:%Y-%m-%dT%H-%M-%SZ}", fmt::gmtime(now));
-  fs::path folder = parent / stamp;
-  for (int suffix = 2; fs::exists(folder); ++suffix) {
-    folder = parent / fmt::format("{}-{}", stamp, suffix);
+  create_folder(parent);
+  for (int suffix = 1;; ++suffix) {
+    const fs::path folder = parent / (suffix == 1 ? stamp : fmt::format("{}-{}", stamp, suffix));
+    if (mkdir(folder.c_str(), 0777) == 0) return folder;
+    if (errno != EEXIST) refuse(folder, {errno, std::generic_category()});
   }
-  return folder;
 }
 
 }  // namespace
 
-RunDirectory RunDirectory::create(const std::optional<fs::path>& chosen,
-                                  const std::string& scenario_name) {
-  const fs::path path = fs::absolute(chosen ? *chosen : default_folder(scenario_name, ""));
-  if (holds(path, {"scenario.yaml", "exchange.lcm"})) {
-    throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds a run. Name a new folder, "
-                                              "or remove this one.",
+/// A lock on the folder, for as long as its process lives: the kernel ends it with the process, and
+/// nothing of it is left in the folder.
+class RunDirectory::Claim {
+ public:
+  explicit Claim(const fs::path& path)
+      : fd_(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    // A file system without locks keeps nobody out.
+    if (fd_ < 0 || flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+    close(fd_);
+    throw Error(ErrorKind::Usage, fmt::format("'{}': another command writes into this folder now. "
+                                              "Wait for its end, or choose another one.",
                                               path.string()));
   }
-  create_folder(path);
-  return RunDirectory(path);
+  ~Claim() {
+    if (fd_ >= 0) close(fd_);
+  }
+  Claim(const Claim&) = delete;
+  Claim& operator=(const Claim&) = delete;
+
+ private:
+  int fd_;
+};
+
+RunDirectory RunDirectory::claimed(const std::optional<fs::path>& chosen,
+                                   const std::string& scenario_name, const std::string& prefix) {
+  if (chosen) create_folder(fs::absolute(*chosen));
+  RunDirectory directory(chosen ? fs::absolute(*chosen) : create_default(scenario_name, prefix));
+  directory.claim_ = std::make_shared<const Claim>(directory.path_);
+  return directory;
 }
 
-fs::path RunDirectory::create_group(const std::optional<fs::path>& chosen,
-                                    const std::string& scenario_name, const std::string& purpose) {
-  const fs::path path =
-      fs::absolute(chosen ? *chosen : default_folder(scenario_name, purpose + "-"));
+RunDirectory RunDirectory::create(const std::optional<fs::path>& chosen,
+                                  const std::string& scenario_name) {
+  RunDirectory directory = claimed(chosen, scenario_name, "");
+  if (holds(directory.path_, {"scenario.yaml", "exchange.lcm"})) {
+    throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds a run. Name a new folder, "
+                                              "or remove this one.",
+                                              directory.path_.string()));
+  }
+  return directory;
+}
+
+RunDirectory RunDirectory::create_group(const std::optional<fs::path>& chosen,
+                                        const std::string& scenario_name,
+                                        const std::string& purpose) {
+  RunDirectory directory = claimed(chosen, scenario_name, purpose + "-");
   // A run's own files must stay what its log was recorded with.
-  if (holds(path, {purpose + ".json", "scenario.yaml", "exchange.lcm"})) {
+  if (holds(directory.path_, {purpose + ".json", "scenario.yaml", "exchange.lcm"})) {
     throw Error(ErrorKind::Usage, fmt::format("--out: '{}' already holds results. Name a new "
                                               "folder, or remove this one.",
-                                              path.string()));
+                                              directory.path_.string()));
   }
-  create_folder(path);
-  return path;
+  return directory;
+}
+
+RunDirectory RunDirectory::create_anew(const fs::path& path) {
+  RunDirectory directory = claimed(path, "", "");
+  for (const auto& entry : fs::directory_iterator(directory.path_)) fs::remove_all(entry.path());
+  return directory;
 }
 
 RunDirectory RunDirectory::open(const fs::path& path) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace tandem::orchestrator {
 
@@ -15,14 +17,16 @@ namespace tandem::orchestrator {
 ///   bus.json       where a run over LCM is heard: run id, port, ttl
 class RunDirectory {
  public:
-  /// Creates the folder. A folder that already holds a run is refused when the user named it, and
-  /// avoided by a suffix when it is the default.
+  /// Creates the folder for this process alone: a folder that already holds a run, or that another
+  /// command writes into, is refused when the user named it, and avoided by a suffix when it is the
+  /// default. It is kept from others until the last copy of the object ends.
   static RunDirectory create(const std::optional<std::filesystem::path>& chosen,
                              const std::string& scenario_name);
   /// A folder for several runs, `runs/<scenario>/<purpose>-<UTC time>/` or the chosen one.
-  static std::filesystem::path create_group(const std::optional<std::filesystem::path>& chosen,
-                                            const std::string& scenario_name,
-                                            const std::string& purpose);
+  static RunDirectory create_group(const std::optional<std::filesystem::path>& chosen,
+                                   const std::string& scenario_name, const std::string& purpose);
+  /// The folder emptied, or made; refused while another command writes into it.
+  static RunDirectory create_anew(const std::filesystem::path& path);
   /// An existing run; throws a Usage error that says what is missing.
   static RunDirectory open(const std::filesystem::path& path);
 
@@ -36,8 +40,12 @@ class RunDirectory {
   }
 
  private:
+  class Claim;
   explicit RunDirectory(std::filesystem::path path) : path_(std::move(path)) {}
+  static RunDirectory claimed(const std::optional<std::filesystem::path>& chosen,
+                              const std::string& scenario_name, const std::string& prefix);
   std::filesystem::path path_;
+  std::shared_ptr<const Claim> claim_;
 };
 
 }  // namespace tandem::orchestrator

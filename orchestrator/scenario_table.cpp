@@ -35,4 +35,9 @@ const scenario::Section& fem_scenario_table() {
   return table;
 }
 
+void require_mesh_file(const scenario::Node& root) {
+  const scenario::Node fem = root.section("fem");
+  if (fem.has("mesh")) (void)fem.section("mesh").input_file("file");
+}
+
 }  // namespace tandem::orchestrator

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "protocol/scenario/key_table.h"
+#include "protocol/scenario/node.h"
 
 namespace tandem::orchestrator {
 
@@ -9,5 +10,9 @@ namespace tandem::orchestrator {
 
 /// The same table for the flexible side alone: `run`, `coupling`, `ports` and `mbs` may be absent.
 [[nodiscard]] const scenario::Section& fem_scenario_table();
+
+/// The mesh, where there is one, is a file that can be read; else its place in the scenario is the
+/// error's.
+void require_mesh_file(const scenario::Node& root);
 
 }  // namespace tandem::orchestrator

@@ -77,9 +77,11 @@ std::optional<ExitStatus> SideLaunch::ended(wire::Process side) {
   return std::nullopt;
 }
 
-std::string SideLaunch::fate(const Child& child, const ExitStatus& status) {
-  return fmt::format("{}: {}; see {}", child.process.name(), status.text(),
-                     child.process.log().string());
+std::string SideLaunch::fate(const Child& child, const ExitStatus& status) const {
+  // Its own words, unless they have been forwarded.
+  const std::string said = status.code != 0 && silent_ ? child.tail.last_line() : "";
+  return fmt::format("{}: {}{}{}; see {}", child.process.name(), status.text(),
+                     said.empty() ? "" : ": ", said, child.process.log().string());
 }
 
 std::vector<std::string> SideLaunch::left_in_peace() {

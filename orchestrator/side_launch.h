@@ -44,7 +44,7 @@ class SideLaunch {
     ChildProcess process;
     LogTail tail;
   };
-  static std::string fate(const Child& child, const ExitStatus& status);
+  [[nodiscard]] std::string fate(const Child& child, const ExitStatus& status) const;
 
   std::vector<std::unique_ptr<Child>> children_;
   bool silent_;

@@ -43,6 +43,7 @@ StepTables::StepTables(const std::filesystem::path& directory,
     : steps_(directory / "steps.csv"), ports_(directory / "ports.csv"), energy_(directory) {
   steps_.write(kStepsHeader);
   ports_.write(interface_header(ports));
+  flush();  // a run that is killed early leaves tables without rows, and no empty files
 }
 
 void StepTables::write(const wire::StepJournal& journal) {

@@ -6,7 +6,8 @@ target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_
 
 tandem_test(coupled_unit
   SOURCES unit/compare_price.cpp unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp
-  LIBS coupled_support LABELS unit)
+    unit/run_folder.cpp
+  LIBS coupled_support nlohmann_json::nlohmann_json LABELS unit)
 tandem_test(coupled_convergence
   SOURCES convergence/coupled_adaptive.cpp convergence/coupled_free_pair.cpp convergence/coupled_orders.cpp
     convergence/coupled_second_order.cpp convergence/coupled_systems.cpp
@@ -16,7 +17,7 @@ tandem_test(coupled_reference
     reference/coupled_vibration.cpp
   LIBS coupled_support LABELS reference)
 tandem_test(coupled_equivalence
-  SOURCES equivalence/coupled_dense.cpp equivalence/coupled_multi_rate.cpp
+  SOURCES equivalence/coupled_multi_rate.cpp
     equivalence/coupled_schemes.cpp
   LIBS coupled_support LABELS equivalence)
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "protocol/contract/cost.h"
+#include "protocol/contract/error.h"
 #include "protocol/wire/liveness.h"
 
 namespace tandem {
@@ -13,7 +14,10 @@ namespace {
 using wire::Kind;
 using wire::Process;
 
-constexpr std::size_t kAnswersKept = 64;
+// Far more than are made between two repetitions of a sender that has not heard its answer.
+constexpr std::size_t kAnswersKept = 1024;
+constexpr std::size_t kMostOpen = 64;
+constexpr std::size_t kLongestText = 4096;
 constexpr double kRepeat_s = 0.05;
 
 }  // namespace
@@ -26,7 +30,7 @@ ControlInbox::ControlInbox(wire::Bus& bus) : bus_(bus) {
 
 void ControlInbox::on_control(wire::ByteView message) {
   auto control = wire::decode_control(message);
-  if (!control) {
+  if (!control || control->text.size() > kLongestText) {
     bus_.count_undecodable();
     return;
   }
@@ -37,6 +41,8 @@ void ControlInbox::on_control(wire::ByteView message) {
   const bool known = std::any_of(waiting_.begin(), waiting_.end(),
                                  [&](const Command& c) { return c.number == number; }) ||
                      std::find(taken_.begin(), taken_.end(), number) != taken_.end();
+  // What finds no room is repeated by its sender.
+  if (waiting_.size() + taken_.size() >= kMostOpen) return;
   if (!known) waiting_.push_back({number, std::move(control->text)});
 }
 
@@ -63,6 +69,7 @@ void ControlInbox::publish(const wire::Controlled& answer) {
 }
 
 wire::Controlled send_command(wire::Bus& bus, const std::string& text, double timeout_s) {
+  require(text.size() <= kLongestText, "control: a command has at most 4096 bytes.");
   const auto number = static_cast<std::int64_t>(wire::random_run_id() >> 1U);
   std::optional<wire::Controlled> answer;
   const wire::Subscription answers = bus.subscribe(

@@ -12,7 +12,8 @@ namespace tandem {
 
 /// The driver's end of the control channel: commands that `tandem control` publishes on the bus of
 /// the run. A sender repeats its command until it is answered: each is made once, a repetition gets
-/// the same answer. The answers to the last commands are kept for that.
+/// the same answer. The answers to the last 1024 commands are kept for that; 64 at most are open at
+/// once, and none is longer than 4096 bytes.
 class ControlInbox final : public CommandSource {
  public:
   explicit ControlInbox(wire::Bus& bus);
@@ -33,7 +34,8 @@ class ControlInbox final : public CommandSource {
   wire::Subscription controls_;
 };
 
-/// The sender's end: publishes `text` until the driver has answered. Throws tandem::Error (Partner)
+/// The sender's end: publishes `text` until the driver has answered. Throws tandem::Error (Usage)
+/// when it is longer than a command can be, and (Partner)
 /// when no run is heard on the bus, or its processes fall silent for `timeout_s`.
 [[nodiscard]] wire::Controlled send_command(wire::Bus& bus, const std::string& text,
                                             double timeout_s);

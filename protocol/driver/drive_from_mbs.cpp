@@ -3,6 +3,7 @@
 #include "protocol/driver/control_inbox.h"
 #include "protocol/driver/coupled_run.h"
 #include "protocol/driver/side_process.h"
+#include "protocol/wire/handshake.h"
 #include "protocol/wire/journal_sender.h"
 #include "protocol/wire/remote_side.h"
 
@@ -29,12 +30,15 @@ class SendingSink final : public StepSink {
 }  // namespace
 
 int drive_from_mbs(SideContext& context, MbsSide& mbs) {
+  const wire::HelloServer hello(context.bus, mbs.info(), context.scenario.hash, kTandemVersion);
   context.heartbeat.set_phase("waiting for tandem-fem");
   wire::RemoteFem fem(context.bus, context.monitor,
                       {.side = wire::Process::Fem,
                        .scenario_hash = context.scenario.hash,
                        .port_names = context.port_names,
                        .tandem_version = kTandemVersion});
+  context.heartbeat.set_phase("waiting for tandem");
+  wire::await_hello(hello, context.monitor, context.wire.start_timeout_s);
   context.heartbeat.set_phase("stepping");
   wire::JournalSender sender(context.bus, context.monitor,
                              static_cast<int>(context.wire.credit_window));

@@ -1,10 +1,13 @@
 #include "protocol/scenario/node.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include "protocol/scenario/data.h"
@@ -73,6 +76,24 @@ std::string Node::text(std::string_view key) const { return content_of<std::stri
 std::filesystem::path Node::path(std::string_view key) const {
   if (row_of(*data_, key).type != Type::Path) defect_of_ours(*data_, key, "is not a path");
   return content_of<std::string>(*data_, key);
+}
+
+std::filesystem::path Node::input_file(std::string_view key) const {
+  std::filesystem::path file = path(key);
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status) || access(file.c_str(), R_OK) != 0) {
+    const int reason = std::filesystem::exists(status) ? errno : error.value();
+    fail(key, fmt::format("'{}' cannot be read: {}. A relative path begins at the scenario's "
+                          "folder.",
+                          file.string(), std::generic_category().message(reason)));
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    fail(key, fmt::format("'{}' is {}, not a file. Give a file: it is read more than once.",
+                          file.string(),
+                          std::filesystem::is_directory(status) ? "a folder" : "a pipe or device"));
+  }
+  return file;
 }
 
 std::vector<double> Node::reals(std::string_view key) const {

@@ -36,6 +36,9 @@ class Node {
   [[nodiscard]] bool boolean(std::string_view key) const;
   [[nodiscard]] std::string text(std::string_view key) const;            ///< Text, Name and Choice
   [[nodiscard]] std::filesystem::path path(std::string_view key) const;  ///< resolved, absolute
+  /// The path of a file that can be read, by any number of processes: a missing one, a folder, a
+  /// pipe and a device are the scenario's error, at its place.
+  [[nodiscard]] std::filesystem::path input_file(std::string_view key) const;
   [[nodiscard]] std::vector<double> reals(std::string_view key) const;
   [[nodiscard]] std::vector<std::string> names(std::string_view key) const;
   [[nodiscard]] Eigen::Vector3d vector3(std::string_view key) const;

@@ -7,7 +7,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <string_view>
+#include <utility>
 
 #include "protocol/scenario/key_text.h"
 #include "protocol/scenario/node.h"
@@ -63,6 +66,12 @@ std::string not_a_number(const YamlValue& yaml, const Key& key, const char* what
                      key.type == Type::Integer ? "10" : "0.001 or 1e-3");
 }
 
+std::string beyond(const YamlValue& yaml) {
+  return fmt::format("{} is beyond what a whole number can be here: {} … {}.", yaml.text,
+                     std::numeric_limits<std::int32_t>::min(),
+                     std::numeric_limits<std::int32_t>::max());
+}
+
 std::string out_of_range(const YamlValue& yaml, const Key& key) {
   return fmt::format("{} is out of range. It must be {}.", yaml.text, range_text(key));
 }
@@ -115,11 +124,13 @@ Parsed<std::int64_t> parse_integer(const YamlValue& yaml, const Key& key) {
   const char* last = text.data() + text.size();
   const auto [end, code] = std::from_chars(text.data(), last, value);
   if (code == std::errc::result_out_of_range && end == last && !yaml.quoted) {
-    return {0, fmt::format("{} is beyond what 64 bits can hold.", yaml.text)};
+    return {0, beyond(yaml)};
   }
   if (code != std::errc() || end != last || yaml.quoted) {
     return {0, not_a_number(yaml, key, "a whole number")};
   }
+  // Readers may keep it in 32 bits, where a larger one would become another number.
+  if (!std::in_range<std::int32_t>(value)) return {0, beyond(yaml)};
   if (!in_range(key, static_cast<double>(value))) return {0, out_of_range(yaml, key)};
   return {value, ""};
 }

@@ -3,22 +3,29 @@
 #include <fmt/format.h>
 #include <lcm/lcm.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
 #include "protocol/wire/chunks.h"
+#include "protocol/wire/chunks_sent.h"
 #include "protocol/wire/lcm_receiver.h"
 #include "protocol/wire/loopback_route.h"
 #include "protocol/wire/multicast_socket.h"
 
 namespace tandem::wire {
 namespace {
+
+// Parts of a burst follow each other at once: after this the rest of it is lost.
+constexpr double kQuiet_s = 0.002;
 
 struct LcmDestroy {
   void operator()(lcm_t* lcm) const { lcm_destroy(lcm); }
@@ -52,6 +59,8 @@ struct Bus::State {
   void send(const std::string& channel, ByteView message);
   void handle(const Datagram& incoming);
   void handle_chunk(std::string_view channel, ByteView message);
+  std::int64_t send_part(SentMessages::Entry& entry, std::size_t index, bool ends_burst,
+                         std::int32_t attempt);
   void dispatch(const Header& header, std::string_view channel, ByteView message);
 
   BusOptions options;
@@ -62,7 +71,10 @@ struct Bus::State {
   LoopbackRoute loopback;
   std::unique_ptr<lcm_t, LcmDestroy> lcm;  // publishes only: no thread, no self test of its own
   std::map<std::string, Handler, std::less<>> handlers;
+  SentMessages sent;
   Assembler assembler;
+  bool asks_when_quiet = false;  // the message of the last chunk is not whole
+  bool burst_ended = false;      // … and no more of it comes before it is asked for
   BusCounts counts;
   Datagram datagram;  // the one being handled
   double arrival_s = 0.0;
@@ -87,6 +99,8 @@ Bus::Bus(const BusOptions& options) : state_(std::make_unique<State>(options)) {
   require(state_->lcm != nullptr, fmt::format("wire: liblcm cannot open {}", url));
   if (options.ttl == 0) state_->loopback.apply();
   self_test();
+  missing_ = subscribe(options.self, Kind::Missing,
+                       [this](const Header&, ByteView message) { send_missing(message); });
 }
 
 Bus::~Bus() = default;
@@ -107,6 +121,8 @@ void Bus::self_test() {
   while (!heard) {
     const double time_s = now_s();
     if (time_s > end_s) {
+      // On a busy machine it may lie behind other messages: those first.
+      if (pump(0.0)) continue;
       throw Error(
           ErrorKind::Usage,
           fmt::format("wire: {} does not hear its own messages on udp {}:{} within {:.1f} "
@@ -165,13 +181,51 @@ Sent Bus::publish(Process topic, Kind kind, Bytes& message, std::int32_t attempt
     return {1, static_cast<std::int64_t>(message.size())};
   }
   Sent sent;
-  cut(message, attempt, [&](ByteView part) {
-    state_->send(state_->channel(topic, kind), part);
+  SentMessages::Entry& entry = state_->sent.keep(state_->channel(topic, kind), message);
+  // A repetition need not bring anything but the receiver's word of what it lacks.
+  const std::size_t count = attempt > 0 ? 1 : std::min(entry.message.parts(), burst());
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int64_t bytes = state_->send_part(entry, i, i + 1 == count, attempt);
     ++sent.messages;
-    sent.bytes += static_cast<std::int64_t>(part.size());
-  });
+    sent.bytes += bytes;
+  }
   return sent;
 }
+
+std::int64_t Bus::State::send_part(SentMessages::Entry& entry, std::size_t index, bool ends_burst,
+                                   std::int32_t attempt) {
+  std::int64_t bytes = 0;
+  entry.message.send(index, ends_burst, attempt, [&](ByteView part) {
+    bytes = static_cast<std::int64_t>(part.size());
+    send(entry.channel, part);
+  });
+  return bytes;
+}
+
+void Bus::send_missing(ByteView message) {
+  const auto missing = decode_missing(message);
+  if (!missing) return count_undecodable();
+  SentMessages::Entry* entry = state_->sent.find(*missing);
+  if (entry == nullptr) return;  // its repetition brings it back
+  std::vector<std::size_t> parts;
+  for (const std::int32_t index : missing->wanted) {
+    const bool is_one = index >= 0 && static_cast<std::size_t>(index) < entry->message.parts();
+    if (is_one && parts.size() < burst()) parts.push_back(static_cast<std::size_t>(index));
+  }
+  for (const std::size_t part : parts) state_->send_part(*entry, part, part == parts.back(), 1);
+}
+
+void Bus::ask_for_missing() {
+  state_->asks_when_quiet = false;
+  auto request = state_->assembler.lacks(burst());
+  if (!request) return;
+  const std::int64_t sequence = request->missing.header.sequence;
+  request->missing.header = header(Kind::Missing, sequence);
+  Bytes message = encode(request->missing);
+  publish(request->sender, Kind::Missing, message);
+}
+
+std::size_t Bus::burst() const { return burst_of(state_->receiver->receive_buffer_bytes()); }
 
 Subscription Bus::subscribe(Process topic, Kind kind, Handler handler) {
   const std::string& channel = state_->channel(topic, kind);
@@ -183,9 +237,14 @@ Subscription Bus::subscribe(Process topic, Kind kind, Handler handler) {
 }
 
 bool Bus::pump(double timeout_s) {
-  if (!state_->receiver->receive(timeout_s, state_->datagram)) return false;
+  const double quiet_s = state_->asks_when_quiet ? std::min(timeout_s, kQuiet_s) : timeout_s;
+  if (!state_->receiver->receive(quiet_s, state_->datagram)) {
+    if (state_->asks_when_quiet && timeout_s > 0.0) ask_for_missing();
+    return false;
+  }
   state_->arrival_s = now_s();
   state_->handle(state_->datagram);
+  if (std::exchange(state_->burst_ended, false)) ask_for_missing();
   return true;
 }
 
@@ -218,7 +277,10 @@ void Bus::State::handle_chunk(std::string_view channel, ByteView message) {
     ++counts.undecodable;
     return;
   }
+  ++heard[static_cast<std::size_t>(chunk->header.sender)];
   const auto whole = assembler.add(*chunk);
+  asks_when_quiet = !whole;
+  burst_ended = !whole && chunk->ends_burst;
   if (!whole) return;
   const Header header = header_of(*whole);
   if (header.run_id != options.run_id || header.sender != chunk->header.sender) {

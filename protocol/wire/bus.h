@@ -68,10 +68,13 @@ class Subscription {
 
 /// One process's connection to the multicast of a run: sends through liblcm, receives through a
 /// Receiver. Channels are TANDEM_<run id>_<topic>_<kind>: letters, digits and '_' only,
-/// since LCM subscriptions are regular expressions. Messages beyond kMaxWhole travel in chunks.
+/// since LCM subscriptions are regular expressions. Messages beyond kMaxWhole travel in chunks: as
+/// many at once as the receive buffer holds, which has the same size in all processes of a host;
+/// then those that the receiver says it lacks. A repetition is one chunk.
 ///
-/// Nothing is received but within pump(): one thread owns the bus; publish() alone may also be
-/// called from others. Messages may be lost, repeated or reordered; the layers above cope.
+/// Nothing is received but within pump(): one thread owns the bus; publish() of a message that fits
+/// one datagram may also be called from others. Messages may be lost, repeated or reordered; the
+/// layers above cope.
 class Bus {
  public:
   using Handler = std::function<void(const Header&, ByteView message)>;
@@ -114,8 +117,12 @@ class Bus {
   friend class Subscription;
   void self_test();
   void narrow();
+  void send_missing(ByteView message);
+  void ask_for_missing();
+  [[nodiscard]] std::size_t burst() const;
   struct State;
   std::unique_ptr<State> state_;
+  Subscription missing_;  // ends before the state that it is kept in
 };
 
 }  // namespace tandem::wire

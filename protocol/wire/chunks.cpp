@@ -1,73 +1,13 @@
 #include "protocol/wire/chunks.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
-#include "protocol/wire/crc32.h"
-
 namespace tandem::wire {
-namespace {
-
-constexpr std::size_t kChunkData = 59000;
-constexpr std::size_t kMaxMessage = 64U << 20U;
-
-}  // namespace
-
-namespace {
-
-/// CRC-32 of each part and of the whole.
-std::vector<std::uint32_t> checksums_of(ByteView message, std::uint32_t& whole) {
-  std::vector<std::uint32_t> parts;
-  whole = 0;
-  for (std::size_t begin = 0; begin < message.size(); begin += kChunkData) {
-    const std::size_t size = std::min(kChunkData, message.size() - begin);
-    parts.push_back(crc32(0, message.subspan(begin, size)));
-    whole = crc32_joined(whole, parts.back(), size);
-  }
-  return parts;
-}
-
-}  // namespace
-
-void cut(Bytes& message, std::int32_t attempt, const std::function<void(ByteView)>& send) {
-  require(message.size() >= kHeaderEnd && message.size() <= kMaxMessage,
-          "wire: a message of " + std::to_string(message.size()) +
-              " bytes cannot be sent: it is larger than 64 MiB");
-  Chunk chunk;
-  chunk.header = header_of(message);
-  chunk.whole_kind = chunk.header.kind;
-  chunk.header.kind = Kind::Chunk;
-  chunk.whole_bytes = static_cast<std::int32_t>(message.size());
-  set_checksum(message, 0);
-  const std::vector<std::uint32_t> checksums = checksums_of(message, chunk.whole_checksum);
-  chunk.count = static_cast<std::int32_t>(checksums.size());
-  std::array<std::uint8_t, kChunkHead> head{};
-  std::array<std::uint8_t, kChunkHead> covered{};
-  for (const std::uint32_t checksum : checksums) {
-    const std::size_t begin = static_cast<std::size_t>(chunk.index) * kChunkData;
-    const std::size_t size = std::min(kChunkData, message.size() - begin);
-    encode_head(chunk, size, head);
-    seal(head, attempt, checksum, size);
-    if (begin == 0) {
-      Bytes first(head.begin(), head.end());
-      first.insert(first.end(), message.begin(),
-                   message.begin() + static_cast<std::ptrdiff_t>(size));
-      send(first);
-    } else {
-      std::uint8_t* at = message.data() + begin - kChunkHead;
-      std::copy_n(at, kChunkHead, covered.begin());
-      std::copy_n(head.begin(), kChunkHead, at);
-      send({at, kChunkHead + size});
-      std::copy_n(covered.begin(), kChunkHead, at);
-    }
-    ++chunk.index;
-  }
-}
 
 std::optional<ByteView> Assembler::add(const Chunk& chunk) {
   // Sizes follow from the size of the whole: whatever does not fit is not one of ours.
-  if (chunk.whole_bytes <= 0) return std::nullopt;
+  if (chunk.whole_bytes < static_cast<std::int32_t>(kHeaderEnd)) return std::nullopt;
   const auto whole = static_cast<std::size_t>(chunk.whole_bytes);
   const std::size_t count = (whole + kChunkData - 1) / kChunkData;
   if (whole > kMaxMessage || chunk.count < 0 || static_cast<std::size_t>(chunk.count) != count ||
@@ -78,34 +18,57 @@ std::optional<ByteView> Assembler::add(const Chunk& chunk) {
   const std::size_t begin = index * kChunkData;
   if (chunk.bytes.size() != std::min(kChunkData, whole - begin)) return std::nullopt;
 
-  Open& message = entry(chunk);
+  const Key key{chunk.header.sender, chunk.whole_kind, chunk.header.sequence, chunk.whole_checksum,
+                whole};
+  if (whole_key_ == key) {
+    if (index != 0 || !chunk.ends_burst) return std::nullopt;
+    return ByteView(whole_.bytes.get(), whole);
+  }
+  last_ = key;
+  Open& message = entry(key, count);
   if (message.here[index]) return std::nullopt;
-  std::copy(chunk.bytes.begin(), chunk.bytes.end(),
-            message.bytes.begin() + static_cast<std::ptrdiff_t>(begin));
+  std::copy(chunk.bytes.begin(), chunk.bytes.end(), message.memory.bytes.get() + begin);
   message.here[index] = true;
   if (--message.missing > 0) return std::nullopt;
-  spare_ = std::exchange(whole_, std::move(message.bytes));
+  spare_ = std::exchange(whole_, std::move(message.memory));
+  whole_key_ = std::exchange(last_, std::nullopt);
   open_.erase(std::find_if(open_.begin(), open_.end(),
                            [&](const Open& other) { return &other == &message; }));
-  set_checksum(whole_, chunk.whole_checksum);
-  return ByteView(whole_);
+  set_checksum({whole_.bytes.get(), whole}, chunk.whole_checksum);
+  return ByteView(whole_.bytes.get(), whole);
 }
 
-Assembler::Open& Assembler::entry(const Chunk& chunk) {
-  const auto whole = static_cast<std::size_t>(chunk.whole_bytes);
-  const auto found = std::find_if(open_.begin(), open_.end(), [&](const Open& other) {
-    return other.sender == chunk.header.sender && other.kind == chunk.whole_kind &&
-           other.sequence == chunk.header.sequence && other.checksum == chunk.whole_checksum &&
-           other.bytes.size() == whole;
-  });
+std::optional<Assembler::Lacking> Assembler::lacks(std::size_t most) const {
+  const auto open = std::find_if(open_.begin(), open_.end(),
+                                 [this](const Open& other) { return last_ == other.key; });
+  if (open == open_.end()) return std::nullopt;
+  Lacking request;
+  request.sender = open->key.sender;
+  request.missing.header.sequence = open->key.sequence;
+  request.missing.whole_kind = open->key.kind;
+  request.missing.whole_checksum = open->key.checksum;
+  for (std::size_t i = 0; i < open->here.size() && request.missing.wanted.size() < most; ++i) {
+    if (!open->here[i]) request.missing.wanted.push_back(static_cast<std::int32_t>(i));
+  }
+  return request;
+}
+
+Assembler::Open& Assembler::entry(const Key& key, std::size_t count) {
+  const auto found =
+      std::find_if(open_.begin(), open_.end(), [&](const Open& other) { return other.key == key; });
   if (found != open_.end()) return *found;
-  if (open_.size() >= kMaxOpen) open_.pop_front();
-  const auto count = static_cast<std::size_t>(chunk.count);
-  Bytes bytes = std::move(spare_);
-  bytes.resize(whole);
-  return open_.emplace_back(Open{chunk.header.sender, chunk.whole_kind, chunk.header.sequence,
-                                 chunk.whole_checksum, std::move(bytes), std::vector<bool>(count),
-                                 count});
+  const auto total = [this] {
+    std::size_t sum = 0;
+    for (const Open& open : open_) sum += open.key.size;
+    return sum;
+  };
+  while (open_.size() >= kMaxOpen || total() + key.size > 2 * kMaxMessage) open_.pop_front();
+  // Not filled: what a message claims to be takes no memory before its parts are here.
+  Memory memory = std::exchange(spare_, {});
+  if (memory.capacity < key.size) {
+    memory = {std::make_unique_for_overwrite<std::uint8_t[]>(key.size), key.size};
+  }
+  return open_.emplace_back(Open{key, std::move(memory), std::vector<bool>(count), count});
 }
 
 }  // namespace tandem::wire

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <deque>
-#include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -10,41 +10,59 @@
 
 namespace tandem::wire {
 
-/// Messages up to this size go in one datagram (LCM's limit is 65,499 bytes with the channel).
-inline constexpr std::size_t kMaxWhole = 60000;
-
-/// Cuts an encoded message into sealed chunk messages of at most kMaxWhole bytes each and hands
-/// each to `send`. Cutting the same message again gives the same bytes but for `attempt`. The
-/// message's own checksum is written into each chunk and is zero in the message itself. A part is
-/// sent from where it lies in the message, behind a header that stands there meanwhile.
-void cut(Bytes& message, std::int32_t attempt, const std::function<void(ByteView)>& send);
+/// Bytes of the whole in each chunk but the last one, and the largest whole.
+inline constexpr std::size_t kChunkData = 59000;
+inline constexpr std::size_t kMaxMessage = 64U << 20U;
 
 /// Puts chunks together again, in any order, repeated or interleaved with those of other messages.
-/// Chunks of a repetition of the same message complete each other. Memory is bounded: messages of
-/// at most 64 MiB, the oldest of kMaxOpen unfinished ones is given up.
+/// Chunks of a repetition of the same message complete each other. Memory is bounded by what has
+/// come in, and by 128 MiB: messages have at most 64 MiB, and the oldest unfinished one is given up
+/// for a new one when there are kMaxOpen, or they claim more than that together.
 class Assembler {
  public:
   static constexpr std::size_t kMaxOpen = 8;
 
   /// The whole message, with its checksum in place, once its last part is here. It lives until the
-  /// next call. Each chunk has a seal of its own: the whole need not be checked once more.
+  /// next call. Each chunk has a seal of its own: the whole need not be checked once more. The
+  /// first part alone of the message handed out last is its sender's repetition: it is handed out
+  /// again.
   [[nodiscard]] std::optional<ByteView> add(const Chunk& chunk);
 
+  /// What is missing of the message to which a chunk was added last, at most so many parts; nothing
+  /// when it is whole. The header is the caller's to fill in.
+  struct Lacking {
+    Process sender{};
+    Missing missing;
+  };
+  [[nodiscard]] std::optional<Lacking> lacks(std::size_t most) const;
+
  private:
-  struct Open {
+  struct Memory {
+    std::unique_ptr<std::uint8_t[]> bytes;
+    std::size_t capacity = 0;
+  };
+  /// What tells one message from another.
+  struct Key {
     Process sender{};
     Kind kind{};
     std::int64_t sequence = 0;
     std::uint32_t checksum = 0;
-    Bytes bytes;
+    std::size_t size = 0;
+    bool operator==(const Key&) const = default;
+  };
+  struct Open {
+    Key key;
+    Memory memory;
     std::vector<bool> here;
     std::size_t missing = 0;
   };
-  Open& entry(const Chunk& chunk);
+  Open& entry(const Key& key, std::size_t count);
 
   std::deque<Open> open_;
-  Bytes whole_;  ///< the message handed out
-  Bytes spare_;  ///< memory of the one before
+  std::optional<Key> last_;  ///< the chunk added last was part of this one
+  std::optional<Key> whole_key_;
+  Memory whole_;  ///< the message handed out
+  Memory spare_;  ///< of the one before
 };
 
 }  // namespace tandem::wire

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <lcm/lcm.h>
+#include <sys/stat.h>
 
 #include <array>
 #include <cerrno>
@@ -100,6 +101,12 @@ void LogWriter::event(Process topic, Kind kind, const Record& record) {
 // liblcm writes through a buffered stream and flushes at the end only; a full disk shows here.
 void LogWriter::flush() {
   if (std::fflush(file_->log->f) != 0) fail();
+  struct stat status {};
+  if (fstat(fileno(file_->log->f), &status) == 0 && status.st_nlink == 0) {
+    throw Error(ErrorKind::System,
+                fmt::format("log: {} was removed while it was written: nothing of the run is kept.",
+                            name_));
+  }
 }
 
 void LogWriter::fail() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -41,6 +42,9 @@ struct CallRecord {
   std::string command;  ///< Command: its text
 };
 
+/// Why the values of a call do not fit a run of so many ports; empty = they do.
+[[nodiscard]] std::string misfit(const CallRecord& call, std::size_t ports);
+
 /// One macro step as the scheme ended it. Macro step 0 carries the initialization.
 struct StepRecord {
   std::int64_t macro_step = 0;
@@ -59,6 +63,10 @@ struct StepJournal {
   StepRecord step;
   std::vector<CallRecord> calls;  ///< in the order they were made, discarded ones too
 };
+
+/// Bytes of journals that may be unrecorded: as many as a receive buffer of this size (0 = not
+/// known) holds while the orchestrator writes.
+[[nodiscard]] std::size_t unrecorded_bytes(int receive_buffer_bytes);
 
 /// How the run ended, said once by the driver.
 struct Finished {

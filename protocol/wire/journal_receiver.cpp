@@ -10,14 +10,17 @@
 namespace tandem::wire {
 namespace {
 
-constexpr double kAskPause_s = 0.005;    // between two requests for the same missing number
-constexpr double kGrantPause_s = 0.02;   // credit below a quarter window is given when idle
-constexpr std::size_t kMaxAhead = 4096;  // more than any window: bounds the memory
+constexpr double kAskPause_s = 0.005;   // between two requests for the same missing number
+constexpr double kGrantPause_s = 0.02;  // credit below a quarter window is given when idle
 
 }  // namespace
 
 JournalReceiver::JournalReceiver(Bus& bus, LivenessMonitor& monitor, int window)
-    : bus_(bus), monitor_(monitor), credit_every_(std::max(1, window / 4)) {
+    : bus_(bus),
+      monitor_(monitor),
+      window_(window),
+      credit_every_(std::max(1, window / 4)),
+      credit_every_bytes_(unrecorded_bytes(bus.receive_buffer_bytes()) / 4) {
   const auto handler = [this](const Header& header, ByteView message) {
     on_message(header, message);
   };
@@ -33,6 +36,7 @@ std::optional<JournalReceiver::Entry> JournalReceiver::next(double timeout_s) {
     if (!ready_.empty()) {
       Entry entry = std::move(ready_.front().entry);
       open_ends_message_ = ready_.front().ends_message;
+      open_bytes_ = ready_.front().message_bytes;
       ready_.pop_front();
       return entry;
     }
@@ -48,7 +52,10 @@ void JournalReceiver::recorded() {
   ++steps_since_grant_;
   if (!open_ends_message_) return;
   ++recorded_;
-  if (steps_since_grant_ >= credit_every_ || (finished_ && ready_.empty())) grant();
+  bytes_since_grant_ += open_bytes_;
+  if (steps_since_grant_ >= credit_every_ || bytes_since_grant_ >= credit_every_bytes_ ||
+      (finished_ && ready_.empty()))
+    grant();
 }
 
 void JournalReceiver::on_message(const Header& header, ByteView message) {
@@ -58,8 +65,10 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
     if (header.sequence <= recorded_) grant();
     return;
   }
-  if (ahead_.size() >= kMaxAhead) return;
-  Message entries = decode(header.kind, message);
+  // The driver has at most a window of messages unrecorded, and the last one: this bounds the
+  // memory, and whatever has come, there is room for the one that is waited for.
+  if (header.sequence > recorded_ + window_ + 1) return bus_.count_undecodable();
+  std::vector<Entry> entries = decode(header.kind, message);
   if (entries.empty()) {
     throw Error(ErrorKind::Partner,
                 fmt::format("orchestrator: message {} of the journal (macro step {}) cannot be "
@@ -67,7 +76,7 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
                             "build.",
                             header.sequence, header.macro_step, executable_of(header.sender)));
   }
-  ahead_.emplace(header.sequence, std::move(entries));
+  ahead_.emplace(header.sequence, Message{std::move(entries), message.size()});
   for (auto first = ahead_.begin(); first != ahead_.end() && first->first == arrived_ + 1;
        first = ahead_.erase(first)) {
     ++arrived_;
@@ -76,8 +85,8 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
   if (!ahead_.empty()) ask_for_missing(now_s());
 }
 
-JournalReceiver::Message JournalReceiver::decode(Kind kind, ByteView message) {
-  Message entries;
+std::vector<JournalReceiver::Entry> JournalReceiver::decode(Kind kind, ByteView message) {
+  std::vector<Entry> entries;
   if (kind == Kind::Journal) {
     if (auto journals = decode_journal(message)) {
       for (StepJournal& journal : *journals) entries.emplace_back(std::move(journal));
@@ -89,9 +98,9 @@ JournalReceiver::Message JournalReceiver::decode(Kind kind, ByteView message) {
 }
 
 void JournalReceiver::take_in(Message message) {
-  for (Entry& entry : message) {
+  for (Entry& entry : message.entries) {
     finished_ = finished_ || std::holds_alternative<Finished>(entry);
-    ready_.push_back({std::move(entry), &entry == &message.back()});
+    ready_.push_back({std::move(entry), &entry == &message.entries.back(), message.bytes});
   }
 }
 
@@ -107,6 +116,7 @@ void JournalReceiver::ask_for_missing(double time_s) {
 void JournalReceiver::grant() {
   granted_ = recorded_;
   steps_since_grant_ = 0;
+  bytes_since_grant_ = 0;
   granted_s_ = now_s();
   Bytes message = encode(Credit{bus_.header(Kind::Credit, ++credits_), recorded_, 0});
   bus_.publish(Process::Orchestrator, Kind::Credit, message);

@@ -24,7 +24,8 @@ class JournalReceiver {
  public:
   using Entry = std::variant<StepJournal, Finished>;
 
-  /// `window` as in JournalSender: credit is given four times per window, and when nothing comes.
+  /// `window` as in JournalSender: credit is given four times per window or receive
+  /// buffer, and when nothing comes.
   JournalReceiver(Bus& bus, LivenessMonitor& monitor, int window);
   JournalReceiver(const JournalReceiver&) = delete;
   JournalReceiver& operator=(const JournalReceiver&) = delete;
@@ -43,23 +44,31 @@ class JournalReceiver {
   struct Ready {
     Entry entry;
     bool ends_message = false;
+    std::size_t message_bytes = 0;
   };
-  using Message = std::vector<Entry>;
+  struct Message {
+    std::vector<Entry> entries;
+    std::size_t bytes = 0;
+  };
 
   void on_message(const Header& header, ByteView message);
-  [[nodiscard]] static Message decode(Kind kind, ByteView message);
+  [[nodiscard]] static std::vector<Entry> decode(Kind kind, ByteView message);
   void take_in(Message message);
   void ask_for_missing(double time_s);
   void grant();
 
   Bus& bus_;
   LivenessMonitor& monitor_;
+  std::int64_t window_;
   std::int64_t credit_every_;
+  std::size_t credit_every_bytes_;
   std::int64_t arrived_ = 0;   ///< all messages up to this number have arrived
   std::int64_t recorded_ = 0;  ///< confirmed by recorded()
   std::int64_t granted_ = 0;   ///< told to the driver
   std::int64_t steps_since_grant_ = 0;
+  std::size_t bytes_since_grant_ = 0;
   bool open_ends_message_ = false;  ///< of the entry handed out last
+  std::size_t open_bytes_ = 0;      ///< of its message
   std::deque<Ready> ready_;
   std::map<std::int64_t, Message> ahead_;  ///< arrived before an earlier one
   double asked_s_ = 0.0;

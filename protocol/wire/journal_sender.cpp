@@ -1,6 +1,7 @@
 #include "protocol/wire/journal_sender.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "protocol/contract/cost.h"
@@ -17,7 +18,10 @@ constexpr std::size_t kLargestBatch = 30000;  // so that it and one step more fi
 }  // namespace
 
 JournalSender::JournalSender(Bus& bus, LivenessMonitor& monitor, int window)
-    : bus_(bus), monitor_(monitor), window_(static_cast<std::size_t>(window)) {
+    : bus_(bus),
+      monitor_(monitor),
+      window_(static_cast<std::size_t>(window)),
+      most_bytes_(unrecorded_bytes(bus.receive_buffer_bytes())) {
   require(window >= 1, "wire: a credit window of " + std::to_string(window) +
                            " macro steps lets no step be made. Give at least 1.");
   credits_ = bus_.subscribe(Process::Orchestrator, Kind::Credit,
@@ -29,19 +33,24 @@ JournalSender::JournalSender(Bus& bus, LivenessMonitor& monitor, int window)
 
 JournalSender::~JournalSender() {
   monitor_.also_watch({});
-  flush();
+  try {
+    flush();
+  } catch (const std::exception&) {
+    return;  // the run is failing: what ends it is said by whoever threw first
+  }
 }
 
 double JournalSender::send(const StepJournal& journal) {
   // Credit that has come in meanwhile costs no waiting; it need not be looked for in every step.
-  if (2 * open_steps_ >= window_) {
+  if (2 * open_steps_ >= window_ || 2 * open_bytes_ >= most_bytes_) {
     while (monitor_.wait(0.0)) {
     }
   }
   const double begin_s = now_s();
-  if (open_steps_ >= window_) {
+  const auto has_room = [this] { return open_steps_ < window_ && open_bytes_ < most_bytes_; };
+  if (!has_room()) {
     flush();
-    wait_until_open(window_ - 1);
+    wait_until(has_room);
   }
   const double time_s = now_s();
   if (batch_.steps == 0) {
@@ -63,7 +72,7 @@ void JournalSender::finish(const Finished& finished) {
   flush();
   push({.kind = Kind::Finished,
         .message = encode(bus_.header(Kind::Finished, next_number()), finished)});
-  wait_until_open(0);
+  wait_until([this] { return pending_.empty(); });
 }
 
 std::int64_t JournalSender::next_number() const {
@@ -82,15 +91,15 @@ void JournalSender::flush() {
 
 void JournalSender::push(Pending pending) {
   Pending& last = pending_.emplace_back(std::move(pending));
+  open_bytes_ += last.message.size();
   bus_.publish(Process::Orchestrator, last.kind, last.message);
 }
 
-void JournalSender::wait_until_open(std::size_t steps) {
+void JournalSender::wait_until(const std::function<bool()>& done) {
   double timeout_s = kFirstTimeout_s;
   double resend_s = now_s() + timeout_s;
   std::int64_t recorded = recorded_;
-  // The last message of a run carries no step.
-  while (open_steps_ > steps || (steps == 0 && !pending_.empty())) {
+  while (!done()) {
     monitor_.wait(std::max(0.0, resend_s - now_s()));
     if (recorded_ > recorded) {
       recorded = recorded_;
@@ -119,6 +128,7 @@ void JournalSender::on_credit(ByteView message) {
   if (!credit) return bus_.count_undecodable();
   while (recorded_ < credit->recorded_through && !pending_.empty()) {
     open_steps_ -= pending_.front().steps;
+    open_bytes_ -= pending_.front().message.size();
     spare_ = std::move(pending_.front().message);
     pending_.pop_front();
     ++recorded_;

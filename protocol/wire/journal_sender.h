@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 
 #include "protocol/wire/bus.h"
 #include "protocol/wire/liveness.h"
@@ -11,7 +12,8 @@ namespace tandem::wire {
 
 /// Driver's end of the journal: numbered messages to the orchestrator, each with the journals of
 /// one or more macro steps. At most `window` macro steps may be unrecorded there; the driver then
-/// waits, so that the log is complete up to `window` steps behind the run, whatever the wire loses.
+/// waits, so that the log is complete up to `window` steps behind the run, whatever the wire loses;
+/// and no more bytes than the receive buffer holds, beyond which the kernel would lose them.
 ///
 /// Steps that follow each other quickly travel together, up to an eighth of the window: a message
 /// costs the driver as much as the exchange of a small model, and wakes the orchestrator. No step
@@ -42,19 +44,21 @@ class JournalSender {
   void flush();
   void push(Pending pending);
   [[nodiscard]] std::int64_t next_number() const;
-  void wait_until_open(std::size_t steps);
+  void wait_until(const std::function<bool()>& done);
   void resend(std::int64_t number);
   void on_credit(ByteView message);
 
   Bus& bus_;
   LivenessMonitor& monitor_;
   std::size_t window_;
+  std::size_t most_bytes_;
   Pending batch_;                ///< not sent yet
   std::int64_t macro_step_ = 0;  ///< the last one in it
   double flushed_s_ = 0.0;
   std::int64_t recorded_ = 0;    ///< all messages up to this number are in the log
   std::deque<Pending> pending_;  ///< numbers recorded_ + 1, recorded_ + 2, …
   std::size_t open_steps_ = 0;   ///< in them and in the batch
+  std::size_t open_bytes_ = 0;   ///< in them
   Bytes spare_;                  ///< memory of a recorded message
   std::int64_t resent_ = 0;
   Subscription credits_;

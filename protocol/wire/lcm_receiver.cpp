@@ -33,8 +33,13 @@ LcmReceiver::LcmReceiver(const ReceiverOptions& options) {
   require(lcm_->handle != nullptr, fmt::format("wire: liblcm cannot open {}", kGroup));
   const auto keep = [](const lcm_recv_buf_t* buffer, const char* channel, void* user) {
     const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
-    static_cast<LcmReceiver*>(user)->arrived_.push_back(
-        {channel, Bytes(bytes, bytes + buffer->data_size)});
+    auto* self = static_cast<LcmReceiver*>(user);
+    // No exception may pass through liblcm's frames, which are C.
+    try {
+      self->arrived_.push_back({channel, Bytes(bytes, bytes + buffer->data_size)});
+    } catch (...) {
+      self->failure_ = std::current_exception();
+    }
   };
   // A second subscribe after a failed one would give a deaf subscription: the first one decides.
   lcm_subscription_t* subscription = lcm_subscribe(lcm_->handle, ".*", keep, this);
@@ -42,6 +47,7 @@ LcmReceiver::LcmReceiver(const ReceiverOptions& options) {
           fmt::format("wire: liblcm cannot listen on udp {}:{}: a firewall filters multicast or "
                       "another program holds the port. `wire.receive: own` says which.",
                       kGroup, options.port));
+  if (options.ttl == 0) loopback_.listen(options.port);
   lcm_subscription_set_queue_capacity(subscription, 0);  // the default drops beyond 30 messages
   lcm_->fd = lcm_get_fileno(lcm_->handle);
   require(lcm_->fd >= 0 && lcm_->fd < FD_SETSIZE,
@@ -59,7 +65,9 @@ bool LcmReceiver::receive(double timeout_s, Datagram& datagram) {
     const int ready = ppoll(&waiting, 1, &timeout, nullptr);
     if (ready < 0 && errno == EINTR) continue;
     if (ready <= 0) return false;
-    if (lcm_handle(lcm_->handle) != 0 && errno != EINTR) {
+    const int handled = lcm_handle(lcm_->handle);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    if (handled != 0 && errno != EINTR) {
       throw Error(ErrorKind::Partner, fmt::format("wire: liblcm cannot receive on {}", kGroup));
     }
   }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <deque>
+#include <exception>
 #include <memory>
 #include <string>
 
+#include "protocol/wire/loopback_route.h"
 #include "protocol/wire/receiver.h"
 
 namespace tandem::wire {
@@ -27,9 +29,11 @@ class LcmReceiver final : public Receiver {
   };
   struct Lcm;
 
+  LoopbackRoute loopback_;  // before liblcm has sockets
   std::unique_ptr<Lcm> lcm_;
   std::deque<Message> arrived_;
   Message handed_out_;
+  std::exception_ptr failure_;  ///< of the callback
 };
 
 }  // namespace tandem::wire

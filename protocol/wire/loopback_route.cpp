@@ -29,13 +29,29 @@ std::vector<int> datagram_sockets() {
   return sockets;
 }
 
-/// Has not been bound, as a socket that only sends; another thread may have opened others
-/// meanwhile.
-bool only_sends(int fd) {
+/// Port that an IPv4 socket is bound to: 0 = none, as of a socket that only sends; −1 = another
+/// kind of socket (another thread may have opened one meanwhile).
+int bound_port(int fd) {
   sockaddr_in address{};
   socklen_t size = sizeof(address);
-  return getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
-         address.sin_family == AF_INET && address.sin_port == 0;
+  const bool known = getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  return known && address.sin_family == AF_INET ? ntohs(address.sin_port) : -1;
+}
+
+/// The group on the loopback interface; index 0 where there is none.
+ip_mreqn on_loopback() {
+  ip_mreqn group{};
+  inet_pton(AF_INET, kGroup, &group.imr_multiaddr);
+  group.imr_ifindex = static_cast<int>(if_nametoindex("lo"));
+  return group;
+}
+
+/// liblcm joins the group on the interface that its route leads to, also with sockets that only
+/// send.
+void leave_route(int fd) {
+  ip_mreqn routed = on_loopback();
+  routed.imr_ifindex = 0;
+  setsockopt(fd, IPPROTO_IP, IP_DROP_MEMBERSHIP, &routed, sizeof(routed));
 }
 
 }  // namespace
@@ -48,17 +64,33 @@ LoopbackRoute::~LoopbackRoute() {
 
 void LoopbackRoute::apply() {
   const std::vector<int> now = datagram_sockets();
-  ip_mreqn loopback{};
-  inet_pton(AF_INET, kGroup, &loopback.imr_multiaddr);
-  loopback.imr_ifindex = static_cast<int>(if_nametoindex("lo"));
+  const ip_mreqn loopback = on_loopback();
   membership_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (loopback.imr_ifindex == 0 || membership_ < 0 ||
       setsockopt(membership_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &loopback, sizeof(loopback)) != 0) {
     return;
   }
   for (const int fd : now) {
-    if (std::find(before_.begin(), before_.end(), fd) != before_.end() || !only_sends(fd)) continue;
+    if (std::find(before_.begin(), before_.end(), fd) != before_.end()) continue;
+    if (bound_port(fd) != 0) continue;
     setsockopt(fd, IPPROTO_IP, IP_MULTICAST_IF, &loopback, sizeof(loopback));
+    leave_route(fd);
+  }
+}
+
+void LoopbackRoute::listen(int port) {
+  const ip_mreqn loopback = on_loopback();
+  if (loopback.imr_ifindex == 0) return;
+  for (const int fd : datagram_sockets()) {
+    if (std::find(before_.begin(), before_.end(), fd) != before_.end()) continue;
+    const int bound = bound_port(fd);
+    if (bound < 0) continue;
+    const int off = 0;
+    // The route may lead to the loopback interface itself: then there is nothing to leave.
+    const bool stays = bound == port && setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &loopback,
+                                                   sizeof(loopback)) != 0;
+    if (!stays) leave_route(fd);
+    if (bound == port) setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof(off));
   }
 }
 

@@ -11,8 +11,9 @@ namespace tandem::wire {
 ///
 ///   LoopbackRoute route;  lcm_create(…);  route.apply();
 ///
-/// Listeners need not care: as long as this object lives, the group is joined on that interface,
-/// and LCM's sockets hear a group on every interface. Where there is no such interface the sockets
+/// It then leaves the group on the route's interface, which liblcm joins also to send. Listeners
+/// need not care: as long as this object lives, the group is joined on the loopback interface, and
+/// LCM's sockets hear a group on every interface. Where there is no such interface the sockets
 /// stay as they are.
 class LoopbackRoute {
  public:
@@ -22,6 +23,10 @@ class LoopbackRoute {
   LoopbackRoute& operator=(const LoopbackRoute&) = delete;
 
   void apply();
+
+  /// The same for lcm_subscribe(): the sockets that are there after it hear the group on `port` on
+  /// the loopback interface alone.
+  void listen(int port);
 
  private:
   std::vector<int> before_;  ///< datagram sockets of this process

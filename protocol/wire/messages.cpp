@@ -3,7 +3,6 @@
 #include <sstream>
 #include <tandem_wire/abort_t.hpp>
 #include <tandem_wire/alive_t.hpp>
-#include <tandem_wire/chunk_t.hpp>
 #include <tandem_wire/credit_t.hpp>
 #include <tandem_wire/handshake_t.hpp>
 #include <tandem_wire/reply_t.hpp>
@@ -268,32 +267,6 @@ std::optional<Credit> decode_credit(ByteView message) {
   const auto packed = from_bytes(message, tandem_wire::credit_t{}, {});
   if (!packed) return std::nullopt;
   return Credit{unpack(packed->header), packed->recorded_through, packed->wanted};
-}
-
-void encode_head(const Chunk& chunk, std::size_t size, std::span<std::uint8_t, kChunkHead> head) {
-  tandem_wire::chunk_t fixed{};
-  fixed.header = pack(chunk.header);
-  fixed.whole_kind = static_cast<std::int32_t>(chunk.whole_kind);
-  fixed.whole_checksum = static_cast<std::int32_t>(chunk.whole_checksum);
-  fixed.whole_bytes = chunk.whole_bytes;
-  fixed.index = chunk.index;
-  fixed.count = chunk.count;
-  fixed.encode(head.data(), 0, static_cast<int>(head.size()));
-  codec::write_counts({{size, 1}}, head.data());
-}
-
-std::optional<Chunk> decode_chunk(ByteView message) {
-  const auto fixed = codec::fixed_part<tandem_wire::chunk_t>(message, {1});
-  if (!fixed) return std::nullopt;
-  Chunk chunk;
-  chunk.header = unpack(fixed->header);
-  chunk.whole_kind = static_cast<Kind>(fixed->whole_kind);
-  chunk.whole_checksum = static_cast<std::uint32_t>(fixed->whole_checksum);
-  chunk.whole_bytes = fixed->whole_bytes;
-  chunk.index = fixed->index;
-  chunk.count = fixed->count;
-  chunk.bytes = message.last(count_at(message, 0));
-  return chunk;
 }
 
 }  // namespace tandem::wire

@@ -13,7 +13,7 @@
 namespace tandem::wire {
 
 /// Number of the wire format; both ends of a handshake compare it.
-inline constexpr std::int32_t kProtocolVersion = 3;
+inline constexpr std::int32_t kProtocolVersion = 4;
 
 enum class RequestKind : std::int32_t {
   Initialize = 0,
@@ -120,7 +120,16 @@ struct Chunk {
   std::int32_t whole_bytes = 0;
   std::int32_t index = 0;
   std::int32_t count = 0;
-  ByteView bytes;  ///< lies in the message that was decoded
+  bool ends_burst = false;  ///< no more parts come before they are asked for
+  ByteView bytes;           ///< lies in the message that was decoded
+};
+
+/// The parts of a message in chunks that its receiver lacks; header.sequence is that message's.
+struct Missing {
+  Header header;
+  Kind whole_kind = Kind::Journal;
+  std::uint32_t whole_checksum = 0;
+  std::vector<std::int32_t> wanted;
 };
 
 struct ScenarioText {
@@ -139,8 +148,9 @@ void encode(const Reply& reply, Bytes& message);
 [[nodiscard]] Bytes encode(const Abort& abort);
 [[nodiscard]] Bytes encode(const Credit& credit);
 /// What stands before the bytes of a chunk; `size` of them follow.
-inline constexpr std::size_t kChunkHead = kHeaderEnd + 6 * 4;
+inline constexpr std::size_t kChunkHead = kHeaderEnd + 7 * 4;
 void encode_head(const Chunk& chunk, std::size_t size, std::span<std::uint8_t, kChunkHead> head);
+[[nodiscard]] Bytes encode(const Missing& missing);
 [[nodiscard]] Bytes encode(const Control& control);
 [[nodiscard]] Bytes encode(const Controlled& controlled);
 /// Messages of the journal: macro step and iteration of the header are those of the record.
@@ -179,6 +189,7 @@ void end_journal(const Header& header, Bytes& message);
 [[nodiscard]] std::optional<Abort> decode_abort(ByteView message);
 [[nodiscard]] std::optional<Credit> decode_credit(ByteView message);
 [[nodiscard]] std::optional<Chunk> decode_chunk(ByteView message);
+[[nodiscard]] std::optional<Missing> decode_missing(ByteView message);
 [[nodiscard]] std::optional<Control> decode_control(ByteView message);
 [[nodiscard]] std::optional<Controlled> decode_controlled(ByteView message);
 [[nodiscard]] std::optional<CallRecord> decode_call(ByteView message);

@@ -75,17 +75,26 @@ void MulticastSocket::open(const ReceiverOptions& options) {
                             "Choose another one.",
                             kGroup, options.port, std::strerror(errno)));
   }
-  ip_mreqn membership{};
-  membership.imr_multiaddr = address.sin_addr;
-  set_option(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership),
-             "IP_ADD_MEMBERSHIP");
-  // Partners on this host may send through the loopback interface wherever the route leads. Fails
-  // when the route leads there itself.
-  membership.imr_ifindex = static_cast<int>(if_nametoindex("lo"));
-  if (membership.imr_ifindex > 0) {
-    setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership));
-  }
+  join(options.ttl);
   set_option(fd_, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof(off), "IP_MULTICAST_ALL");
+}
+
+// Partners on this host send through the loopback interface wherever the route leads. A run that
+// stays on the host hears nothing else; where there is no such interface, the route's serves.
+void MulticastSocket::join(int ttl) {
+  ip_mreqn membership{};
+  membership.imr_multiaddr = group_address(0).sin_addr;
+  membership.imr_ifindex = static_cast<int>(if_nametoindex("lo"));
+  const bool local = membership.imr_ifindex > 0 && setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP,
+                                                              &membership, sizeof(membership)) == 0;
+  if (local && ttl == 0) return;
+  membership.imr_ifindex = 0;
+  const bool routed =
+      setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership)) == 0;
+  // The route may lead to the loopback interface itself.
+  if (routed || (local && errno == EADDRINUSE)) return;
+  throw Error(ErrorKind::Usage,
+              fmt::format("wire: cannot join group {}: {}", kGroup, std::strerror(errno)));
 }
 
 void MulticastSocket::attach(const ChannelFilter& filter) {

@@ -28,6 +28,7 @@ class MulticastSocket final : public Receiver {
 
  private:
   void open(const ReceiverOptions& options);
+  void join(int ttl);
   void set_timeout(double timeout_s);
 
   int fd_ = -1;

@@ -23,10 +23,12 @@ void require_multicast_route(int port) {
   const int result = connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address));
   const int error = errno;
   close(fd);
-  require(result == 0,
-          fmt::format("wire: no route to the multicast group {} ({}). On one host: `ip route add "
-                      "224.0.0.0/4 dev lo`; between hosts route it to the common network.",
-                      kGroup, std::strerror(error)));
+  if (result == 0) return;
+  throw Error(
+      ErrorKind::System,
+      fmt::format("wire: no route to the multicast group {} ({}). On one host: `ip route add "
+                  "224.0.0.0/4 dev lo`; between hosts route it to the common network.",
+                  kGroup, std::strerror(error)));
 }
 
 int free_port() {

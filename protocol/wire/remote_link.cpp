@@ -1,10 +1,9 @@
 #include "protocol/wire/remote_link.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <optional>
+#include <limits>
 #include <utility>
 
 #include "protocol/contract/cost.h"
@@ -15,7 +14,6 @@ namespace {
 
 constexpr double kFirstTimeout_s = 0.02;
 constexpr double kLastTimeout_s = 0.2;
-constexpr double kHelloPeriod_s = 0.05;
 constexpr double kByeTime_s = 2.0;
 
 }  // namespace
@@ -28,48 +26,8 @@ RemoteLink::RemoteLink(Bus& bus, LivenessMonitor& monitor, RemoteOptions options
 }
 
 Handshake RemoteLink::connect() {
-  std::optional<Handshake> welcome;
-  bool other_schema = false;
-  const Subscription subscription =
-      bus_.subscribe(options_.side, Kind::Welcome, [&](const Header&, ByteView message) {
-        welcome = decode_handshake(message);
-        other_schema = !welcome.has_value();
-      });
-  Handshake hello;
-  hello.tandem_version = options_.tandem_version;
-  hello.scenario_hash = options_.scenario_hash;
-  hello.receive_buffer_bytes = bus_.receive_buffer_bytes();
-  hello.process_id = static_cast<std::int32_t>(getpid());
-  for (const std::string& name : options_.port_names) hello.ports.push_back({name, 0.0});
-  double send_s = 0.0;
-  // Messages are not kept for late subscribers: say hello until the side is up and answers.
-  for (std::int64_t n = 1; !welcome && !other_schema;) {
-    if (now_s() >= send_s) {
-      hello.header = bus_.header(Kind::Hello, n++);
-      Bytes message = encode(hello);
-      bus_.publish(options_.side, Kind::Hello, message);
-      send_s = now_s() + kHelloPeriod_s;
-    }
-    monitor_.wait(kHelloPeriod_s);
-  }
-  require(!other_schema,
-          fmt::format("{}: {} speaks another message schema than this {}. Install both from one "
-                      "build.",
-                      text_of(options_.side), executable_of(options_.side),
-                      executable_of(bus_.options().self)));
-  check(*welcome);
-  return *welcome;
-}
-
-void RemoteLink::check(const Handshake& welcome) const {
-  require(welcome.refusal.empty(), fmt::format("{}: {} refuses the run: {}", text_of(options_.side),
-                                               executable_of(options_.side), welcome.refusal));
-  for (std::size_t i = 0; i < welcome.ports.size(); ++i) {
-    require(i < options_.port_names.size() && welcome.ports[i].name == options_.port_names[i],
-            fmt::format("{}: port {} is '{}' there, but '{}' here", text_of(options_.side), i + 1,
-                        welcome.ports[i].name,
-                        i < options_.port_names.size() ? options_.port_names[i] : "none"));
-  }
+  // The side may load a large model for as long as it says that it lives.
+  return greet(bus_, monitor_, options_, std::numeric_limits<double>::infinity());
 }
 
 void RemoteLink::send(Bytes& message, std::int32_t attempt, CallCost& cost) {
@@ -134,10 +92,11 @@ Reply& RemoteLink::call(const RequestView& request, CallCost& cost) {
 
 void RemoteLink::begin(const RequestView& request) {
   open_cost_ = {};
+  call_ = request.head.call;
   Header& header = request.head.header;
   const Header given = std::exchange(header, bus_.header(Kind::Request, ++sequence_));
   header.macro_step = macro_step_ = given.macro_step;
-  header.iteration = given.iteration;
+  header.iteration = iteration_ = given.iteration;
   const double encode_s = now_s();
   encode(request, request_);
   given_bytes_ =
@@ -173,7 +132,44 @@ Reply& RemoteLink::finish(CallCost& cost) {
     const bool named = reply_.message.starts_with(name);
     throw Error(*reply_.error, (named ? "" : name) + reply_.message);
   }
+  check_reply();
   return reply_;
+}
+
+// A good checksum says that the message is what its sender wrote, not that it is the answer.
+void RemoteLink::check_reply() const {
+  const auto refuse = [this](const std::string& what) {
+    throw Error(ErrorKind::Partner,
+                fmt::format("{}: reply {} of {} (macro step {}, iteration {}) {}. Is a second "
+                            "driver on this run?",
+                            text_of(options_.side), sequence_, executable_of(options_.side),
+                            macro_step_, iteration_, what));
+  };
+  if (reply_.header.macro_step != macro_step_ || reply_.header.iteration != iteration_) {
+    refuse(fmt::format("answers another request, of macro step {}, iteration {}",
+                       reply_.header.macro_step, reply_.header.iteration));
+  }
+  const std::size_t ports = options_.port_names.size();
+  const bool gives = call_ == RequestKind::Initialize || call_ == RequestKind::Advance;
+  const bool from_mbs = options_.side == Process::Mbs;
+  const std::size_t motions = reply_.motions.size();
+  const std::size_t wrenches = reply_.wrenches.size();
+  const std::size_t output = from_mbs ? motions : wrenches;
+  // A side that failed may not have got as far as its output.
+  const bool fits =
+      output == (gives ? ports : 0) || (output == 0 && reply_.outcome == Outcome::Failed);
+  if (!fits || motions + wrenches != output) {
+    refuse(fmt::format("holds {} motions and {} wrenches; the run has {} ports", motions, wrenches,
+                       ports));
+  }
+  if (!reply_.jacobian) return;
+  const auto wrench_size = static_cast<Eigen::Index>(6 * ports);
+  const Eigen::Index rows = from_mbs ? 2 * wrench_size : wrench_size;
+  const Eigen::Index columns = from_mbs ? wrench_size : 2 * wrench_size;
+  if (reply_.jacobian->rows() != rows || reply_.jacobian->cols() != columns) {
+    refuse(fmt::format("holds a Jacobian of {} × {} in place of {} × {}", reply_.jacobian->rows(),
+                       reply_.jacobian->cols(), rows, columns));
+  }
 }
 
 void RemoteLink::accept_input() {

@@ -1,23 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
-#include <vector>
 
 #include "protocol/wire/arrays.h"
 #include "protocol/wire/bus.h"
+#include "protocol/wire/handshake.h"
 #include "protocol/wire/liveness.h"
 #include "protocol/wire/messages.h"
 
 namespace tandem::wire {
-
-/// What the driver expects of a side.
-struct RemoteOptions {
-  Process side = Process::Fem;  ///< Mbs or Fem
-  std::uint64_t scenario_hash = 0;
-  std::vector<std::string> port_names;
-  std::string tandem_version;
-};
 
 /// Client end of the exchange with one side: numbered requests, one open at a time, repeated after
 /// a time-out (20 ms, doubling to 200 ms) until the reply of the same number is here. The server
@@ -34,7 +25,8 @@ class RemoteLink {
 
   /// Sends the request and waits for its reply; adds what it cost to `cost`. The header of
   /// `request.head` brings macro step and iteration alone. Throws tandem::Error with the side's
-  /// name when the side threw, or is not heard any more. The reply lives until the next call; its
+  /// name when the side threw, or is not heard any more, and when the reply does not hold
+  /// what the call and the port table say. The reply lives until the next call; its
   /// values may be moved from.
   Reply& call(const RequestView& request, CallCost& cost);
 
@@ -62,7 +54,7 @@ class RemoteLink {
   void await_reply();
   void book(double blocked_s);
   void on_reply(const Header& header, ByteView message);
-  void check(const Handshake& welcome) const;
+  void check_reply() const;
 
   Bus& bus_;
   LivenessMonitor& monitor_;
@@ -70,8 +62,10 @@ class RemoteLink {
   Subscription replies_;
   std::int64_t sequence_ = 0;
   std::int64_t macro_step_ = 0;
-  CallCost open_cost_;    ///< of the call in progress
-  double begin_s_ = 0.0;  ///< when it was first sent
+  std::int32_t iteration_ = 0;
+  RequestKind call_ = RequestKind::Observe;  ///< of the open request
+  CallCost open_cost_;                       ///< of the call in progress
+  double begin_s_ = 0.0;                     ///< when it was first sent
   enum class Given { Nothing, Here, Lost };
   Bytes accepted_;                  ///< message that ends with the accepted input
   std::size_t accepted_bytes_ = 0;  ///< of that input; 0 = not known

@@ -1,7 +1,6 @@
 #include "protocol/wire/request_server.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <utility>
@@ -29,15 +28,17 @@ RequestServer::RequestServer(Bus& bus, LivenessMonitor& monitor, ServerOptions o
 
 void RequestServer::run() {
   const Process self = bus_.options().self;
-  const Subscription hello = bus_.subscribe(
-      self, Kind::Hello, [this](const Header&, ByteView message) { on_hello(message); });
+  const HelloServer hello(bus_, info_, options_.scenario_hash, options_.tandem_version);
   const Subscription request = bus_.subscribe(
       self, Kind::Request,
       [this](const Header& header, ByteView message) { on_request(header, message); });
   const Subscription closed =
       bus_.subscribe(self, Kind::Closed, [this](const Header&, ByteView) { closed_ = done_; });
   if (options_.heartbeat != nullptr) options_.heartbeat->set_phase("waiting for the driver");
-  while (!done_ && !failure_) monitor_.wait(kIdle_s);
+  while (!done_ && !failure_) {
+    monitor_.wait(kIdle_s);
+    look_at(hello);
+  }
   // The last answer may have been lost: stay for repetitions until the client confirms it.
   const double end_s = now_s() + options_.linger_s;
   while (!closed_ && now_s() < end_s) {
@@ -50,56 +51,15 @@ void RequestServer::run() {
   if (failure_) std::rethrow_exception(failure_);
 }
 
-std::string RequestServer::mismatch(const Handshake& hello) const {
-  if (hello.protocol_version != kProtocolVersion) {
-    return fmt::format("protocol version {} there, {} here. Install both from one build.",
-                       hello.protocol_version, kProtocolVersion);
+void RequestServer::look_at(const HelloServer& hello) {
+  if (hello.greeted() && options_.heartbeat != nullptr && !std::exchange(greeted_, true)) {
+    options_.heartbeat->set_phase("answering the driver");
   }
-  if (hello.tandem_version != options_.tandem_version) {
-    return fmt::format("Tandem {} there, {} here. Install both from one build.",
-                       hello.tandem_version, options_.tandem_version);
-  }
-  if (hello.scenario_hash != options_.scenario_hash) {
-    return fmt::format("scenario hash {:016x} there, {:016x} here. Give both the same file.",
-                       hello.scenario_hash, options_.scenario_hash);
-  }
-  const auto same_name = [](const PortInfo& a, const PortInfo& b) { return a.name == b.name; };
-  if (!std::equal(hello.ports.begin(), hello.ports.end(), info_.ports.begin(), info_.ports.end(),
-                  same_name)) {
-    const auto list = [](const std::vector<PortInfo>& ports) {
-      std::string names;
-      for (const PortInfo& port : ports) names += (names.empty() ? "" : ", ") + port.name;
-      return names;
-    };
-    return fmt::format("ports [{}] there, [{}] here. Give both the same file.", list(hello.ports),
-                       list(info_.ports));
-  }
-  return {};
-}
-
-void RequestServer::on_hello(ByteView message) {
-  Handshake welcome;
-  if (const auto hello = decode_handshake(message)) {
-    welcome.refusal = mismatch(*hello);
-  } else {
-    welcome.refusal = "another message schema. Install both from one build.";
-  }
-  welcome.header = bus_.header(Kind::Welcome, 1);
-  welcome.tandem_version = options_.tandem_version;
-  welcome.scenario_hash = options_.scenario_hash;
-  welcome.ports = info_.ports;
-  welcome.micro_step = info_.micro_step;
-  welcome.can_linearize = info_.can_linearize;
-  welcome.receive_buffer_bytes = bus_.receive_buffer_bytes();
-  welcome.process_id = static_cast<std::int32_t>(getpid());
-  Bytes bytes = encode(welcome);
-  bus_.publish(bus_.options().self, Kind::Welcome, bytes);
-  if (options_.heartbeat != nullptr) options_.heartbeat->set_phase("answering the driver");
   // Stays and refuses again for as long as it lingers: the refusal may be lost.
-  if (!welcome.refusal.empty() && !failure_) {
+  if (!hello.refusal().empty() && !failure_) {
     failure_ = std::make_exception_ptr(
         Error(ErrorKind::Usage, fmt::format("{}: the driver does not fit: {}",
-                                            text_of(bus_.options().self), welcome.refusal)));
+                                            text_of(bus_.options().self), hello.refusal())));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "protocol/wire/bus.h"
+#include "protocol/wire/handshake.h"
 #include "protocol/wire/liveness.h"
 #include "protocol/wire/messages.h"
 
@@ -41,12 +42,11 @@ class RequestServer {
   [[nodiscard]] std::int64_t executed() const { return last_; }
 
  private:
-  void on_hello(ByteView message);
+  void look_at(const HelloServer& hello);
   void on_request(const Header& header, ByteView message);
   void execute(ByteView message);
   void publish_reply(Reply& reply);
   void repeat_reply();
-  [[nodiscard]] std::string mismatch(const Handshake& hello) const;
 
   Bus& bus_;
   LivenessMonitor& monitor_;
@@ -60,6 +60,7 @@ class RequestServer {
   std::int32_t repeats_ = 0;
   double publish_cost_s_ = 0.0;  ///< of the previous reply
   std::int64_t duplicates_ = 0;
+  bool greeted_ = false;
   bool done_ = false;    ///< bye was answered
   bool closed_ = false;  ///< the client has heard the answer
   std::exception_ptr failure_;

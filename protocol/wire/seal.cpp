@@ -69,6 +69,8 @@ const char* text_of(Kind kind) {
       return "control";
     case Kind::Controlled:
       return "controlled";
+    case Kind::Missing:
+      return "missing";
   }
   return "unknown";
 }
@@ -141,7 +143,7 @@ std::optional<Header> open_seal(ByteView message) {
   return header_of(message);
 }
 
-void set_checksum(Bytes& message, std::uint32_t checksum) {
+void set_checksum(std::span<std::uint8_t> message, std::uint32_t checksum) {
   write_word(message, kChecksumAt, checksum);
 }
 

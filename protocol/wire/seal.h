@@ -30,8 +30,9 @@ enum class Kind : std::int32_t {
   SelfTest = 15,
   Control = 16,
   Controlled = 17,
+  Missing = 18,
 };
-inline constexpr std::size_t kKinds = 18;
+inline constexpr std::size_t kKinds = 19;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
 
 /// The processes of a run.
@@ -73,7 +74,7 @@ void seal(std::span<std::uint8_t> head, std::int32_t attempt, std::uint32_t rest
 /// The header of an encoded message, unchecked; the message has at least kHeaderEnd bytes and a
 /// valid sender.
 [[nodiscard]] Header header_of(ByteView message);
-void set_checksum(Bytes& message, std::uint32_t checksum);
+void set_checksum(std::span<std::uint8_t> message, std::uint32_t checksum);
 
 /// Overwrites one double (big endian, as lcm-gen writes it) of a not yet sealed message.
 void patch_double(Bytes& message, std::size_t offset, double value);

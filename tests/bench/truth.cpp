@@ -8,8 +8,8 @@
 #include <string>
 
 #include "orchestrator/svg_plot.h"
-#include "orchestrator/text_file.h"
 #include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "tests/support/truth_case.h"
 
 namespace tandem::coupled_test {
@@ -112,7 +112,7 @@ void draw(const std::filesystem::path& folder) {
   const Comparison damped = compare(pendulum_beam_damped(), {1.25e-4});
   const Comparison masses = compare(two_masses(), {1.25e-4});
   std::filesystem::create_directories(folder);
-  orchestrator::write_text_file(
+  write_whole_file(
       folder / "truth_pendulum_beam.svg",
       orchestrator::svg_document(
           {history(beam, "defl_n", "Undamped: tip deflection", "deflection along hub z (m)"),
@@ -121,7 +121,7 @@ void draw(const std::filesystem::path& folder) {
            errors_over_step(damped, "tip_pos", "Damped: largest error of the tip position",
                             "error (m)")},
           2));
-  orchestrator::write_text_file(
+  write_whole_file(
       folder / "truth_two_masses.svg",
       orchestrator::svg_document(
           {history(masses, "distance", "Distance of the bodies", "distance (m)"),
@@ -130,7 +130,7 @@ void draw(const std::filesystem::path& folder) {
            errors_over_step(masses, "distance", "Largest error of the distance", "error (m)")},
           2));
   const std::string text = table(beam) + table(damped) + table(masses);
-  orchestrator::write_text_file(folder / "truth.txt", text);
+  write_whole_file(folder / "truth.txt", text);
   std::fputs(text.c_str(), stdout);
 }
 

@@ -106,5 +106,60 @@ TEST_F(WireJournal, AWindowOfZeroIsRefused) {
   EXPECT_THROW(JournalSender(bus, monitor, 0), Error);
 }
 
+CallRecord call_of(SideName side, CallKind kind, std::size_t motions, std::size_t wrenches) {
+  CallRecord call;
+  call.side = side;
+  call.kind = kind;
+  call.motions.end.resize(motions);
+  call.wrenches.end.resize(wrenches);
+  if (kind != CallKind::Advance) return call;
+  if (side == SideName::Mbs) call.wrenches.begin.resize(wrenches);
+  if (side == SideName::Fem) call.motions.begin.resize(motions);
+  return call;
+}
+
+TEST(CallRecord, HasASizeForEachEndOfEachKind) {
+  for (const SideName side : {SideName::Mbs, SideName::Fem}) {
+    for (const CallKind kind : {CallKind::Initialize, CallKind::Advance}) {
+      EXPECT_EQ(misfit(call_of(side, kind, 2, 2), 2), "");
+      EXPECT_NE(misfit(call_of(side, kind, 2, 2), 3), "");
+      EXPECT_NE(misfit(call_of(side, kind, 2, 1), 2), "");
+      EXPECT_NE(misfit(call_of(side, kind, 0, 0), 2), "");
+    }
+    EXPECT_EQ(misfit(call_of(side, CallKind::Command, 0, 0), 2), "");
+    EXPECT_NE(misfit(call_of(side, CallKind::Command, 2, 2), 2), "");
+  }
+  CallRecord failed = call_of(SideName::Fem, CallKind::Advance, 2, 0);
+  EXPECT_NE(misfit(failed, 2), "");
+  failed.outcome = Outcome::Failed;  // without an output
+  EXPECT_EQ(misfit(failed, 2), "");
+}
+
+// Numbers that no driver with this window can have reached yet take no room from the one that is
+// waited for.
+TEST_F(WireJournal, WhatIsFarAheadDoesNotKeepOutTheOneThatIsWaitedFor) {
+  constexpr int kWindow = 8;
+  Bus bus({.self = Process::Orchestrator, .run_id = run_, .port = port_});
+  Bus other({.self = Process::Mbs, .run_id = run_, .port = port_});
+  LivenessMonitor monitor(bus, {Process::Mbs}, 5.0);
+  JournalReceiver receiver(bus, monitor, kWindow);
+  const auto send = [&](std::int64_t number) {
+    StepJournal journal;
+    journal.step.macro_step = number;
+    Bytes message = encode(other.header(Kind::Journal, number), journal);
+    other.publish(Process::Orchestrator, Kind::Journal, message);
+    return receiver.next(0.0);
+  };
+  for (std::int64_t number = 2; number < 5000; ++number) EXPECT_FALSE(send(number).has_value());
+  auto entry = send(1);
+  for (std::int64_t number = 1; number <= kWindow; ++number) {
+    if (!entry) entry = receiver.next(1.0);
+    ASSERT_TRUE(entry.has_value()) << number;
+    EXPECT_EQ(std::get<StepJournal>(*entry).step.macro_step, number);
+    receiver.recorded();
+    entry.reset();
+  }
+}
+
 }  // namespace
 }  // namespace tandem::wire

@@ -38,6 +38,15 @@ std::vector<Line> lines() {
       {"nothing", {}, {"subcommand", "--help"}},
       {"unknown_command", {"rnu", scenario}, {"'rnu' is not a command", "Did you mean 'run'?"}},
       {"unknown_option", {"run", scenario, "--frobnicate"}, {"--frobnicate", "--help"}},
+      {"mistyped_option",
+       {"run", scenario, "--sceme", "tlm"},
+       {"run: there is no option '--sceme'. Did you mean '--scheme'?"}},
+      {"mistyped_option_with_its_value",
+       {"control", "FOLDER", "force", "tip", "1,2,3", "--tmeout=3"},
+       {"there is no option '--tmeout'. Did you mean '--timeout'?"}},
+      {"run_of_a_flexible_side_alone",
+       {"run", kExamples + "hinge/scenario.yaml"},
+       {"mbs: is missing", "tandem fem " + kExamples + "hinge/scenario.yaml"}},
       {"run_without_scenario", {"run"}, {"SCENARIO is required", "--help"}},
       {"run_of_no_file", {"run", "nowhere.yaml"}, {"nowhere.yaml", "there is no such file"}},
       {"run_of_a_folder", {"run", "FOLDER"}, {"is a directory", "scenario.yaml"}},
@@ -191,10 +200,12 @@ TEST(WrongCommandLines, LeaveAnEndedRunAsItIs) {
 // A name need not be text; what is said of it must still reach the user.
 TEST(WrongCommandLines, AFileNameThatIsNoTextIsBadInput) {
   const TemporaryFolder folder("tandem_bytes");
-  const Ended ended = run_command(
-      run_of("two_masses", folder / "run", {"--set", "fem.mesh.file=/nowhere/\xff.msh"}));
+  const std::string mesh = (folder / "\xff.msh").string();
+  write_file(mesh, "no mesh");
+  const Ended ended =
+      run_command(run_of("two_masses", folder / "run", {"--set", "fem.mesh.file=" + mesh}));
   EXPECT_EQ(ended.code, 2) << ended.output;
-  EXPECT_NE(ended.output.find("/nowhere/\xff.msh"), std::string::npos) << ended.output;
+  EXPECT_NE(ended.output.find(mesh), std::string::npos) << ended.output;
   EXPECT_EQ(summary_of(folder / "run").value("status", ""), "failed");
 }
 

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <memory>
 #include <thread>
 
 #include "protocol/wire/multicast_socket.h"
@@ -152,8 +154,12 @@ TEST(RunEnvironment, AFullFileSystemLeavesAReadableLog) {
   }
   const std::string run = shell_run(folder / "run");
   const std::string log = kTandem + " log '" + (folder / "run").string() + "'";
-  const Ended ended = shell("unshare -m sh -c \"" + mount + "; " + run + "; " + log + "\"");
-  EXPECT_EQ(ended.code, 0) << ended.output;  // of `tandem log`
+  // There is a whole summary, or none: never an empty one.
+  const std::string summary = "'" + (folder / "run/summary.json").string() + "'";
+  const std::string whole = "(test ! -e " + summary + " || grep -q '^}' " + summary + ")";
+  const Ended ended =
+      shell("unshare -m sh -c \"" + mount + "; " + run + "; " + log + " && " + whole + "\"");
+  EXPECT_EQ(ended.code, 0) << ended.output;  // of `tandem log` and of the summary's test
   EXPECT_TRUE(has(ended.output, "No space left on device")) << ended.output;
   EXPECT_TRUE(has(ended.output, "without its last event")) << ended.output;
 }
@@ -198,7 +204,7 @@ TEST(RunEnvironment, AHostWithoutMulticastRouteIsToldTheRemedy) {
   }
   const auto begin = std::chrono::steady_clock::now();
   const Ended ended = shell("exec unshare -n " + shell_run(folder / "run"));
-  EXPECT_EQ(ended.code, 2) << ended.output;
+  EXPECT_EQ(ended.code, 4) << ended.output;
   EXPECT_TRUE(has(ended.output, "no route to the multicast group")) << ended.output;
   EXPECT_TRUE(has(ended.output, "ip route add 224.0.0.0/4 dev lo")) << ended.output;
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
@@ -250,6 +256,24 @@ TEST(RunEnvironment, TwoRunsAtTheSameTimeDoNotDisturbEachOther) {
   EXPECT_EQ(tandem_command({"replay", (folder / "a").string(), "--side", "mbs"}).code, 0);
 }
 
+TEST(RunEnvironment, ReplaysStartedTogetherDoNotDisturbEachOther) {
+  const TemporaryFolder folder("tandem_replays");
+  ASSERT_EQ(run_command(run_of("two_masses", folder / "run", {"--set", "run.duration_s=0.2"})).code,
+            0);
+  std::vector<std::unique_ptr<ChildProcess>> replays;
+  const std::vector<std::string> command{kTandem, "replay", (folder / "run").string(), "--side",
+                                         "mbs"};
+  for (int i = 0; i < 3; ++i) replays.push_back(std::make_unique<ChildProcess>(command));
+  int done = 0;
+  for (const auto& replay : replays) {
+    const int code = replay->wait(60.0);
+    done += code == 0 ? 1 : 0;
+    EXPECT_TRUE(code == 0 || has(replay->output(), "another command writes into this folder"))
+        << code << ": " << replay->output();
+  }
+  EXPECT_GT(done, 0);
+}
+
 // A file opened next would take the number of a closed stream, and messages would go into it.
 TEST(RunEnvironment, ClosedStandardStreamsHarmNoFile) {
   const TemporaryFolder folder("tandem_closed");
@@ -260,6 +284,90 @@ TEST(RunEnvironment, ClosedStandardStreamsHarmNoFile) {
   const Ended log = shell(kTandem + " log --csv '" + (folder / "run").string() + "' > /dev/full");
   EXPECT_EQ(log.code, 4) << log.output;
   EXPECT_TRUE(has(log.output, "cannot write the export: No space left on device")) << log.output;
+}
+
+/// Waits until a run has written so many bytes of its log.
+void await_steps(const std::filesystem::path& run) {
+  for (int i = 0; i < 3000; ++i) {
+    std::error_code error;
+    if (std::filesystem::file_size(run / "exchange.lcm", error) > 100'000 && !error) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+TEST(RunEnvironment, AFolderThatIsRemovedInMidRunIsNoticedAtOnce) {
+  for (const std::string transport : {"lcm", "inproc"}) {
+    const TemporaryFolder folder("tandem_removed");
+    ChildProcess tandem(run_of("two_masses", folder / "run",
+                               {"--set", "run.duration_s=1000", "--transport", transport}));
+    await_steps(folder / "run");
+    std::filesystem::remove_all(folder / "run");
+    EXPECT_EQ(tandem.wait(kLimit_s), 4) << tandem.output();
+    EXPECT_TRUE(has(tandem.output(), "exchange.lcm was removed while it was written"))
+        << tandem.output();
+    EXPECT_TRUE(processes_with(folder.path().string()).empty());
+  }
+}
+
+// A side that is frozen or outlives its run would keep the log's space and the port taken.
+TEST(RunEnvironment, SidesHaveNoFileOfTheProcessThatStartedThem) {
+  const TemporaryFolder folder("tandem_descriptors");
+  ChildProcess tandem(run_of("two_masses", folder / "run", {"--set", "run.duration_s=1000"}));
+  await_steps(folder / "run");
+  int sides = 0;
+  for (const pid_t pid : processes_with(folder.path().string())) {
+    if (pid == tandem.pid()) continue;
+    ++sides;
+    for (const auto& entry :
+         std::filesystem::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {
+      std::error_code error;
+      const auto file = std::filesystem::read_symlink(entry.path(), error).filename();
+      EXPECT_TRUE(file != "exchange.lcm" && file != "steps.csv" && file != "ports.csv") << file;
+    }
+  }
+  EXPECT_EQ(sides, 2);
+}
+
+// Its sides give it up and end; continued, it finds them gone, and has forwarded nothing.
+TEST(RunEnvironment, AQuietTandemThatWasFrozenSaysTheCause) {
+  const TemporaryFolder folder("tandem_frozen");
+  ChildProcess tandem(run_of("two_masses", folder / "run",
+                             {"--set", "run.duration_s=1000", "--set", "wire.timeout_s=0.5"}));
+  await_steps(folder / "run");
+  tandem.signal(SIGSTOP);
+  for (int i = 0; i < 3000 && processes_with(folder.path().string()).size() > 1; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  tandem.signal(SIGCONT);
+  EXPECT_EQ(tandem.wait(kLimit_s), 4) << tandem.output();
+  EXPECT_TRUE(has(tandem.output(), "nothing heard from tandem (the orchestrator) for 0.5 s"))
+      << tandem.output();
+}
+
+TEST(RunEnvironment, AMeshThatIsNoFileIsRefusedAtItsPlace) {
+  const TemporaryFolder folder("tandem_pipe_mesh");
+  ASSERT_EQ(mkfifo((folder / "pipe.msh").c_str(), 0600), 0);
+  std::filesystem::create_directory(folder / "folder.msh");
+  const std::string scenario = kExamples + "pendulum_beam/scenario.yaml";
+  for (const auto& [file, words] : std::vector<std::pair<std::string, std::string>>{
+           {(folder / "pipe.msh").string(), "a pipe or device, not a file"},
+           {(folder / "folder.msh").string(), "a folder, not a file"},
+           {"/dev/zero", "a pipe or device, not a file"},
+           {(folder / "none.msh").string(), "cannot be read: No such file or directory"}}) {
+    for (const std::string command : {"check", "run", "fem"}) {
+      const Ended ended =
+          run_command({kTandem, command, scenario, "--set", "fem.mesh.file=" + file}, {}, kLimit_s);
+      EXPECT_EQ(ended.code, 2) << command << " " << file << ": " << ended.output;
+      EXPECT_TRUE(has(ended.output, "fem.mesh.file: '" + file + "' ")) << ended.output;
+      EXPECT_TRUE(has(ended.output, words)) << ended.output;
+    }
+    // Of a nodal coupling the mesh makes the ports and the bodies: it is read before all else.
+    const Ended nodal = run_command(
+        {kTandem, "run", kExamples + "bar15/scenario.yaml", "--set", "fem.mesh.file=" + file}, {},
+        kLimit_s);
+    EXPECT_EQ(nodal.code, 2) << nodal.output;
+    EXPECT_TRUE(has(nodal.output, words)) << nodal.output;
+  }
 }
 
 TEST(RunEnvironment, AReaderThatLeavesDoesNotEndTheRun) {

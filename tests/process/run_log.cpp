@@ -340,13 +340,75 @@ TEST_F(RunLogDamage, ExportHasOneRowPerCall) {
   std::istringstream lines(text);
   std::string header, row;
   std::getline(lines, header);
-  EXPECT_TRUE(header.starts_with("macro_step,iteration,side,kind,accepted,rollback,outcome,t_s,"))
+  EXPECT_TRUE(header.starts_with(
+      "macro_step,iteration,side,kind,accepted,rollback,outcome,H_s,command,t_s,"))
       << header;
   for (const char* table : {"steps.csv", "ports.csv"}) {
     const std::string rows = read_file(original() / table);
     // steps.csv: the header and 10 steps; ports.csv: also the initial values.
     EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), table[0] == 's' ? 11 : 12) << table;
   }
+}
+
+// The monolithic step has no line between the sides: its log is that of the sides alone.
+TEST(RunLogExport, AMonolithicRunOfAScenarioWithALineReplays) {
+  const TemporaryFolder folder("tandem_monolithic");
+  const Ended run =
+      run_command(run_of("two_masses", folder / "run",
+                         {"--monolithic", "--set", "coupling.scheme=tlm", "--set",
+                          "coupling.tlm.stiffness_N_per_m=1e6", "--set", "run.duration_s=0.01"}));
+  ASSERT_EQ(run.code, 0) << run.output;
+  for (const std::string side : {"mbs", "fem"}) {
+    const Ended replay = tandem_command(
+        {"replay", (folder / "run").string(), "--side", side, "--transport", "inproc"});
+    EXPECT_EQ(replay.code, 0) << replay.output;
+  }
+}
+
+TEST(RunLogExport, CheckShowsTheBodyBehindALine) {
+  const Ended check =
+      tandem_command({"check", kExamples + "two_masses/scenario.yaml", "--set",
+                      "coupling.scheme=tlm", "--set", "coupling.tlm.stiffness_N_per_m=1e6"});
+  ASSERT_EQ(check.code, 0) << check.output;
+  EXPECT_NE(check.output.find("flexible body: "), std::string::npos) << check.output;
+}
+
+// An attempt that an adaptive step rejects ends where its own H leads to, and a command has a row.
+TEST(RunLogExport, HasTheTimeOfEveryAttemptAndTheCommands) {
+  const TemporaryFolder folder("tandem_export");
+  const Ended run = run_command(run_of("slider_crank", folder / "run",
+                                       {"--transport", "inproc", "--set", "run.duration_s=0.1",
+                                        "--set", "coupling.adaptive.tolerance=1e-8"}));
+  ASSERT_EQ(run.code, 0) << run.output;
+  ASSERT_GT(summary_of(folder / "run").value("rejected_steps", 0), 0);
+  const auto csv = folder / "export.csv";
+  ASSERT_EQ(run_command({"/bin/sh", "-c",
+                         kTandem + " log --csv '" + (folder / "run").string() + "' > '" +
+                             csv.string() + "'"})
+                .code,
+            0);
+  std::ifstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  const auto columns = std::count(line.begin(), line.end(), ',');
+  double begin_s = 0.0;
+  double end_s = 0.0;
+  int last_step = 0;
+  while (std::getline(lines, line)) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), columns);
+    std::istringstream row(line);
+    std::vector<std::string> cells;
+    for (std::string cell; std::getline(row, cell, ',') && cells.size() < 10;) {
+      cells.push_back(cell);
+    }
+    const int step = std::stoi(cells[0]);
+    if (step != last_step) begin_s = std::exchange(end_s, 0.0);
+    last_step = step;
+    const double t_s = std::stod(cells[9]);
+    EXPECT_NEAR(t_s, begin_s + std::stod(cells[7]), 1e-12) << line;  // both of whole nanoseconds
+    if (cells[4] == "1") end_s = t_s;
+  }
+  EXPECT_NEAR(end_s, 0.1, 1e-12);
 }
 
 // liblcm's own tool publishes the log as it stands: every event, in order. Played slowly: one burst

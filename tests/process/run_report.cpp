@@ -49,6 +49,40 @@ TEST_F(RunReport, DamagedTableIsNamedWithItsLine) {
   EXPECT_TRUE(has(ended.output, "ports.csv:3: 3 values under 2 names")) << ended.output;
 }
 
+// What a kill leaves: no summary, and tables that end in mid-row.
+TEST_F(RunReport, OfAKilledRunShowsWhatThereIsAndSaysWhatIsNot) {
+  run("a", "explicit_serial");
+  std::filesystem::remove(path("a") + "/summary.json");
+  for (const std::string table : {"/ports.csv", "/steps.csv"}) {
+    const auto size = std::filesystem::file_size(path("a") + table);
+    std::filesystem::resize_file(path("a") + table, size - 5);
+  }
+  const Ended ended = tandem_command({"report", path("a")});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const std::string page = read_file(path("a") + "/report.html");
+  // Rows: a header; of ports 21 times, of steps 20 macro steps.
+  for (const char* words : {"the recording process was killed",
+                            "ports.csv:22: the last row has no "
+                            "end",
+                            "steps.csv:21: the last row has no end"}) {
+    EXPECT_TRUE(has(page, words)) << words;
+    EXPECT_TRUE(has(ended.output, words)) << ended.output;
+  }
+  EXPECT_TRUE(has(page, "<td class=\"bad\">killed</td><td>19</td><td>0.019</td>")) << page;
+}
+
+TEST_F(RunReport, OfARunThatWasKilledBeforeItsFirstStepIsAPage) {
+  run("a", "explicit_serial");
+  std::filesystem::remove(path("a") + "/summary.json");
+  for (const std::string table : {"/ports.csv", "/steps.csv"}) {
+    const std::string text = read_file(path("a") + table);
+    write_file(path("a") + table, text.substr(0, text.find('\n') + 1));
+  }
+  const Ended ended = tandem_command({"report", path("a")});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  EXPECT_TRUE(has(read_file(path("a") + "/report.html"), "</html>"));
+}
+
 TEST_F(RunReport, FolderWithoutARunIsRefused) {
   const Ended ended = tandem_command({"report", folder_.path().string()});
   EXPECT_EQ(ended.code, 2) << ended.output;

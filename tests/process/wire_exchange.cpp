@@ -5,9 +5,12 @@
 #include <sched.h>
 #include <sys/socket.h>
 
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
+#include <sstream>
 #include <thread>
 
 #include "protocol/wire/remote_side.h"
@@ -215,6 +218,28 @@ TEST(WireExchange, AGapInTheRequestNumbersEndsTheServer) {
   EXPECT_EQ(served.side.advances, 0);
 }
 
+// With short time-outs a heartbeat comes more often than a wait for one takes.
+TEST(WireLiveness, TheHeartbeatOfOnePartnerDoesNotHideTheSilenceOfAnother) {
+  constexpr double kShort_s = 0.5;
+  const std::uint64_t run = random_run_id();
+  const int port = free_port();
+  Bus fem({.self = Process::Fem, .run_id = run, .port = port});
+  const Heartbeat heartbeat(fem, kShort_s);
+  Bus bus({.self = Process::Mbs, .run_id = run, .port = port});
+  LivenessMonitor monitor(bus, {Process::Fem, Process::Orchestrator}, kShort_s);
+  std::string error;
+  for (const double end_s = now_s() + 5.0; error.empty() && now_s() < end_s;) {
+    try {
+      monitor.wait(0.2);
+    } catch (const Error& caught) {
+      error = caught.what();
+    }
+  }
+  EXPECT_NE(error.find("tandem (the orchestrator) has not been heard within 0.5 s"),
+            std::string::npos)
+      << error;
+}
+
 TEST(WireExchange, LeavesNoThreadBehind) {
   const std::size_t before = threads_of_this_process();
   {
@@ -299,15 +324,61 @@ TEST(WireBus, APortThatIsTakenIsAUsageError) {
   close(fd);
 }
 
+/// Interfaces of this network namespace that have joined LCM's group.
+std::vector<std::string> joined_interfaces() {
+  std::vector<std::string> joined;
+  std::ifstream table("/proc/net/igmp");
+  std::string interface;
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream words(line);
+    std::string first, second;
+    words >> first >> second;
+    if (line.starts_with('\t')) {
+      if (first == "434CFFEF") joined.push_back(interface);  // 239.255.76.67, low byte first
+    } else {
+      interface = second;
+    }
+  }
+  return joined;
+}
+
+// Time to live 0: neither do messages leave the host, nor are any heard from outside, although the
+// group's route leads to a network card.
+TEST(WireBus, ThatStaysOnTheHostListensOnTheLoopbackInterfaceAlone) {
+  const pid_t child = fork();
+  if (child == 0) {
+    if (unshare(CLONE_NEWNET) != 0) _exit(77);
+    const char* network =
+        "ip link set lo up && ip link add card type veth peer name other && ip addr add "
+        "10.9.0.1/24 "
+        "dev card && ip link set card up && ip link set other up && ip route add 224.0.0.0/4 dev "
+        "card";
+    if (std::system(network) != 0) _exit(77);
+    bool here = true;
+    for (const Receive receive : {Receive::Own, Receive::Lcm}) {
+      const Bus bus({.self = Process::Mbs, .run_id = 1, .port = 20000, .receive = receive});
+      here = here && joined_interfaces() == std::vector<std::string>{"lo"};
+    }
+    const Bus wide({.self = Process::Mbs, .run_id = 1, .port = 20000, .ttl = 1});
+    const bool there = joined_interfaces().size() == 2;
+    _exit((here ? 0 : 1) + (there ? 0 : 2));
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  if (WEXITSTATUS(status) == 77) GTEST_SKIP() << "no network namespace with a card can be made";
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
 // In an empty network namespace there is no route at all.
-TEST(WireBus, AMissingRouteIsAUsageErrorWithTheRemedy) {
+TEST(WireBus, AMissingRouteIsTheMachinesErrorWithTheRemedy) {
   const pid_t child = fork();
   if (child == 0) {
     if (unshare(CLONE_NEWNET) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) _exit(77);
     try {
       const Bus bus({.self = Process::Mbs, .run_id = 1, .port = 20000});
     } catch (const Error& error) {
-      _exit(std::strstr(error.what(), "ip route add 224.0.0.0/4 dev lo") != nullptr ? 0 : 1);
+      const bool tells = std::strstr(error.what(), "ip route add 224.0.0.0/4 dev lo") != nullptr;
+      _exit(tells && error.kind() == ErrorKind::System ? 0 : 1);
     }
     _exit(2);
   }

@@ -130,6 +130,24 @@ TEST(WireFaultKinds, RandomSleepsChangeNoBit) {
   EXPECT_EQ(mbs->value("hash"), std::to_string(test::drive(local, 30, 3)));
 }
 
+// What Linux grants by default: three datagrams of a full part, where a step of 4096 ports takes 36
+// from the driver to the recorder. They are asked for as they can be taken in.
+TEST(WireFaultKinds, AReceiveBufferOfTheUsualSizeCarriesManyPorts) {
+  PeerRun run;
+  run.faults = {{"LD_PRELOAD", kShim}, {"TANDEM_FAULT_RECEIVE_BUFFER", "212992"}};
+  const std::vector<std::string> arguments{"window=64", "ports=4096", "steps=40"};
+  const auto orchestrator = run.start("orchestrator", arguments);
+  const auto fem = run.start("fem", arguments);
+  const auto mbs = run.start("mbs", arguments);
+  ASSERT_EQ(mbs->wait(60.0), 0) << mbs->output();
+  ASSERT_EQ(orchestrator->wait(5.0), 0) << orchestrator->output();
+  EXPECT_EQ(orchestrator->value("journals"), "41");
+  EXPECT_EQ(fem->wait(5.0), 0) << fem->output();
+  // Nobody had to wait for a time-out of 20 ms in most steps.
+  EXPECT_LT(std::stoi(mbs->value("resent")), 20) << mbs->output();
+  EXPECT_LT(std::stoi(mbs->value("journals_resent")), 20) << mbs->output();
+}
+
 // A blocked wire shows at opening, within the self test's time, not as a hang.
 TEST(WireFaultKinds, AMulticastFilterIsReportedAtOpening) {
   PeerRun run;

@@ -5,6 +5,8 @@
 //   TANDEM_FAULT_REORDER_PERCENT    held, and sent behind the next datagram of the process
 //   TANDEM_FAULT_FLIP_PERCENT       one bit of the last 64 bytes flipped
 //   TANDEM_FAULT_SLEEP_US           sleeps a random time up to this before each datagram
+//   TANDEM_FAULT_RECEIVE_BUFFER     bytes that a socket's receive buffer is given at most, as by
+//                                   net.core.rmem_max
 //   TANDEM_FAULT_SEED               seed; mixed with the program's name
 // With TANDEM_FAULT_PROGRAM, only the process of that name is disturbed. It may also end at a
 // chosen point of the exchange, before that datagram is sent:
@@ -147,9 +149,24 @@ ssize_t disturb(int fd, std::vector<char> bytes, int flags, const sockaddr* addr
   return result;
 }
 
+using SetOption = int (*)(int, int, int, const void*, socklen_t);
+
 }  // namespace
 
 extern "C" {
+
+__attribute__((visibility("default"))) int setsockopt(int fd, int level, int option,
+                                                      const void* value, socklen_t size) {
+  static const auto kNext = reinterpret_cast<SetOption>(dlsym(RTLD_NEXT, "setsockopt"));
+  static const auto kMost = static_cast<int>(setting("TANDEM_FAULT_RECEIVE_BUFFER"));
+  int bytes = 0;
+  if (kMost == 0 || level != SOL_SOCKET || option != SO_RCVBUF || size != sizeof(bytes)) {
+    return kNext(fd, level, option, value, size);
+  }
+  std::memcpy(&bytes, value, sizeof(bytes));
+  bytes = bytes < kMost ? bytes : kMost;
+  return kNext(fd, level, option, &bytes, sizeof(bytes));
+}
 
 __attribute__((visibility("default"))) ssize_t sendmsg(int fd, const msghdr* message, int flags) {
   const auto* address = static_cast<const sockaddr*>(message->msg_name);

@@ -170,7 +170,12 @@ TEST(ScenarioDefect, RangesStateTheirBounds) {
   claim("relaxation: 2", "22: solver.relaxation: 2 is out of range. It must be > 0 and < 2.");
   claim("max_iterations: 0", "26: solver.max_iterations: 0 is out of range. It must be ≥ 1.");
   claim("max_iterations: 99999999999999999999",
-        "26: solver.max_iterations: 99999999999999999999 is beyond what 64 bits can hold.");
+        "26: solver.max_iterations: 99999999999999999999 is beyond what a whole number can be "
+        "here: -2147483648 … 2147483647.");
+  // Kept in 32 bits it would be 1.
+  claim("max_iterations: 4294967297",
+        "26: solver.max_iterations: 4294967297 is beyond what a whole number can be here: "
+        "-2147483648 … 2147483647.");
   claim("max_iterations: 1e3",
         "26: solver.max_iterations: '1e3' is not a whole number. Write a whole number like 10.");
   claim("sets: []", "16: solver.sets: has 0 entries. It must be a list of 1 … 2 names.");

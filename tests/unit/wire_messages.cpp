@@ -7,7 +7,6 @@
 #include <random>
 #include <tandem_wire/request_t.hpp>
 
-#include "protocol/wire/chunks.h"
 #include "protocol/wire/crc32.h"
 #include "protocol/wire/messages.h"
 #include "tests/support/wire_mock_sides.h"
@@ -382,60 +381,6 @@ TEST(WireChecksum, IsThatOfZlibForEveryLengthAndAlignment) {
   };
   for (std::size_t size = 0; size < 300; ++size) check(size % 16, size, size % 2 == 0 ? 0 : 12345U);
   for (std::size_t at = 0; at < 16; ++at) check(at, 60000 + at, 0xdeadbeefU);
-}
-
-std::vector<Bytes> parts_of(Bytes message, std::int32_t attempt = 0) {
-  std::vector<Bytes> parts;
-  cut(message, attempt, [&parts](ByteView part) { parts.emplace_back(part.begin(), part.end()); });
-  return parts;
-}
-
-TEST(WireChunks, ReassembleInAnyOrderWithRepetitions) {
-  StepJournal journal = some_journal();
-  journal.calls.resize(400, journal.calls.front());
-  Bytes message = encode(some_header(Kind::Journal), journal);
-  seal(message);
-  std::vector<Bytes> parts = parts_of(message);
-  for (const Bytes& part : parts_of(message, 1)) parts.push_back(part);
-  ASSERT_GE(parts.size(), 8U);
-  std::mt19937 random(11);
-  for (int repetition = 0; repetition < 20; ++repetition) {
-    std::shuffle(parts.begin(), parts.end(), random);
-    Assembler assembler;
-    int completed = 0;
-    for (const Bytes& part : parts) {
-      ASSERT_LE(part.size(), kMaxWhole);
-      ASSERT_TRUE(open_seal(part).has_value());
-      if (const auto whole = assembler.add(*decode_chunk(part))) {
-        ++completed;
-        EXPECT_TRUE(std::equal(whole->begin(), whole->end(), message.begin(), message.end()));
-      }
-    }
-    EXPECT_GE(completed, 1);
-  }
-}
-
-TEST(WireChunks, IllFittingChunksAreRefused) {
-  Bytes message = encode(some_header(Kind::Journal), some_journal());
-  message.resize(130000);
-  seal(message);
-  const Bytes second = parts_of(message)[1];
-  const Chunk good = *decode_chunk(second);
-  const auto refused = [](const Chunk& chunk) {
-    Assembler assembler;
-    return !assembler.add(chunk).has_value();
-  };
-  Chunk bad = good;
-  bad.whole_bytes = std::numeric_limits<std::int32_t>::max();
-  EXPECT_TRUE(refused(bad));
-  for (const std::int32_t index : {-1, 3, std::numeric_limits<std::int32_t>::max()}) {
-    bad = good;
-    bad.index = index;
-    EXPECT_TRUE(refused(bad));
-  }
-  bad = good;
-  bad.bytes = good.bytes.first(good.bytes.size() - 1);
-  EXPECT_TRUE(refused(bad));
 }
 
 }  // namespace
