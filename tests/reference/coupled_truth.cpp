@@ -8,10 +8,11 @@ namespace tandem::coupled_test {
 namespace {
 
 /// Two first-order steps of other make may differ by terms of their own order: 1.5 times the listed
-/// error is another's bound. Ours turns elastic displacements and forces by half the step's turn, in
-/// opposite ways (MiddleCarry): exact in steady turning, but where a spinning body vibrates along its
-/// length the direction of a displacement is off by ω h, where the listed step's is by ω h/2. The
-/// errors of angular velocities are then up to 2.7 times the listed ones, and still of first order.
+/// error is another's bound. Ours turns elastic displacements and forces by half the step's turn,
+/// in opposite ways (MiddleCarry): exact in steady turning, but where a spinning body vibrates
+/// along its length the direction of a displacement is off by ω h, where the listed step's is by ω
+/// h/2. The errors of angular velocities are then up to 2.7 times the listed ones, and still of
+/// first order.
 constexpr double kAllowedFactor = 3.0;
 
 using Errors = std::map<std::string, double>;
