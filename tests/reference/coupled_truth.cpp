@@ -46,17 +46,10 @@ TEST(MonolithicTruth, PendulumBeamStaysWithinTheListedErrors) {
   expect_listed_errors(pendulum_beam());
 }
 
-// Damping leaves no content beyond the step, so every quantity shows the step's own order.
-TEST(MonolithicTruth, DampedPendulumBeamStaysWithinTheListedErrorsAndFallsWithOrderOne) {
-  const TruthCase truth = pendulum_beam_damped();
-  const std::vector<Errors> errors = expect_listed_errors(truth, {1.25e-4});
-  ASSERT_EQ(errors.size(), 4U);
-  for (std::size_t i = 1; i < errors.size(); ++i) {
-    for (const Quantity& quantity : truth.quantities) {
-      const double order = std::log2(errors[i - 1].at(quantity.name) / errors[i].at(quantity.name));
-      EXPECT_NEAR(order, 1.0, 0.15) << quantity.name << ", halving " << i;
-    }
-  }
+// The reference damps rigid turning by β K_R, too: a difference of order 0 at the finest steps, so the
+// order itself is held by fem_order.cpp against a truth with this definition.
+TEST(MonolithicTruth, DampedPendulumBeamStaysWithinTheListedErrors) {
+  expect_listed_errors(pendulum_beam_damped());
 }
 
 }  // namespace
