@@ -26,7 +26,7 @@ Params bar(const IntegratorParams& integrator, FormulationKind formulation, int 
   params.formulation = formulation;
   params.integrator = integrator;
   params.material = {.young_Pa = 2.1e11, .poisson = 0.3, .density_kg_per_m3 = 7850.0};
-  params.damping.beta_s = 1e-5;
+  params.damping.beta_s = 1e-3;
   params.ports = {{"hub", {"LEFT"}, kAxisPoint}};
   params.initial_velocity = {.angular_rad_per_s = {0.0, 0.0, kRate_rad_per_s},
                              .about_m = kAxisPoint};
@@ -125,13 +125,13 @@ TEST_P(FemTurning, KnowsNothingOfTheStepsTurn) {
       if (k <= steps - last) continue;
       extension += (reach(body, k * h) - 4.0) / last;
       force += result.output[0].f_P_W.norm() / last;
-      torque += result.output[0].t_P_W.norm() / last;
+      torque += result.output[0].t_P_W.z() / last;  // about the shaft
     }
     EXPECT_NEAR(extension / expected.extension_m, 1.0, turn < 0.4 ? 0.01 : 0.03);
     const bool means = integrator.kind == IntegratorKind::BackwardEuler;
     const double mean = means ? std::sin(0.5 * turn) / (0.5 * turn) : 1.0;
     EXPECT_NEAR(force / (mean * expected.force_N), 1.0, means ? 1e-4 : 1e-3);
-    EXPECT_LT(torque, 1e-6 * expected.force_N * 4.0);
+    EXPECT_LT(std::abs(torque), 1e-6 * expected.force_N * 4.0);
     EXPECT_NEAR(body.observe().energy.kinetic_J / expected.kinetic_J, 1.0, 1e-3);
   }
 }
