@@ -81,7 +81,7 @@ TEST_P(CoupledSystem, HasOrderOneWithTheDefaultIntegrators) {
 // which is no motion's damping: a difference of order 0, below what the first-order pair resolves.
 // Without cfm: it yields to joint forces of 100 N by 1e-8 m/s, which is of order 0.
 TEST_P(CoupledSystem, HasOrderTwoWithTheSecondOrderPair) {
-  if (std::string(GetParam()) == "three_ports") return;
+  if (std::string(GetParam()) == "three_ports") GTEST_SKIP() << "other damping in its reference";
   expect_order(2, GetParam(),
                {{"mbs.integrator", "verlet"},
                 {"mbs.cfm", "0"},
