@@ -46,8 +46,8 @@ TEST(MonolithicTruth, PendulumBeamStaysWithinTheListedErrors) {
   expect_listed_errors(pendulum_beam());
 }
 
-// The reference damps rigid turning by β K_R, too: a difference of order 0 at the finest steps, so the
-// order itself is held by fem_order.cpp against a truth with this definition.
+// The reference damps rigid turning by β K_R, too: a difference of order 0 at the finest steps, so
+// the order itself is held by fem_order.cpp against a truth with this definition.
 TEST(MonolithicTruth, DampedPendulumBeamStaysWithinTheListedErrors) {
   expect_listed_errors(pendulum_beam_damped());
 }
