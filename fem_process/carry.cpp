@@ -60,6 +60,16 @@ void Carry::turn(const Eigen::Vector3d& omega, double h_s, Carried::Turn& turn) 
   turn.mean = mean_over(h_s * omega);
 }
 
+MotionSet Carry::turned_by_half(const Carried& carried) const {
+  MotionSet motions = carried.ports;
+  for (std::size_t p = 0; p < motions.size(); ++p) {
+    const Carried::Turn& turn = carried.turns[part_of_port_[p]];
+    motions[p].p_WP = turn.about + turn.half * (motions[p].p_WP - turn.about);
+    motions[p].q_WP = Eigen::Quaterniond(turn.half) * motions[p].q_WP;
+  }
+  return motions;
+}
+
 Eigen::Vector3d Carry::ground(const BodyPart& part, const Eigen::VectorXd& x) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0.0;

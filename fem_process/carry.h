@@ -109,6 +109,10 @@ class Carry {
   virtual void take_mean(const Carried& carried, Eigen::VectorXd& f) const = 0;
 
   [[nodiscard]] const std::vector<BodyPart>& parts() const { return parts_; }
+  /// False: the formulation cannot turn.
+  [[nodiscard]] bool rotates() const { return rotates_; }
+  /// The ports where their part's half turn about its centre takes them.
+  [[nodiscard]] MotionSet turned_by_half(const Carried& carried) const;
 
  protected:
   Carry(const Model& model, const LoosePorts& loose);

@@ -13,6 +13,7 @@ using Rates = Eigen::Matrix<double, 3, 12>;
 struct PortNode {
   int node = 0;
   std::size_t port = 0;
+  Eigen::Vector3d arm;         ///< from the port's origin at the end of the step (m)
   Eigen::Vector3d torque_arm;  ///< from where torques are taken about (m)
   Rates rate;                  ///< of its velocity with its port's end motion
 };
@@ -48,6 +49,7 @@ class Condensation {
         port_node_[static_cast<std::size_t>(node)] = static_cast<int>(nodes_.size());
         nodes_.push_back({.node = node,
                           .port = p,
+                          .arm = end[p].q_WP * arms[p][k],
                           .torque_arm = torques.pose[p].p_WP - torques.about[p] +
                                         torques.pose[p].q_WP * arms[p][k],
                           .rate = rates_of(end[p], arms[p][k])});
@@ -79,6 +81,24 @@ class Condensation {
       }
     });
     return b;
+  }
+
+  /// Adds to the rows of the free nodes' velocities what these do through the reactions of held
+  /// nodes, S_pI x.
+  void add_reactions(const AngularBalance& angular, AngularBalance::Rows& rows) const {
+    for_blocks([&](std::size_t at, int j, const Eigen::Matrix3d& S) {
+      const int free = free_[static_cast<std::size_t>(j)];
+      if (free < 0) return;
+      for (Eigen::Index k = 0; 3 * k < rows.free.rows(); ++k) {
+        Eigen::Matrix3d moment;
+        for (Eigen::Index c = 0; c < 3; ++c) {
+          AngularBalance::Held change;
+          change.r = Eigen::Vector3d::Unit(c);
+          moment.col(c) = angular.held(rows, static_cast<std::size_t>(k), nodes_[at].node, change);
+        }
+        rows.free.block<3, 3>(3 * k, 3 * free) += moment * S;
+      }
+    });
   }
 
   /// Adds S_pI x_c to the reactions.
@@ -115,6 +135,44 @@ class Condensation {
             offset_[static_cast<std::size_t>(port)].cross(products(w, c) *
                                                           Eigen::Vector3d::Unit(rate % 3));
       }
+    }
+  }
+
+  /// What AngularBalance adds to the torques: through the free nodes' velocities (B x), the ports'
+  /// origins and the nodes that they hold, their reactions S_pp T_c.
+  void turn(const Eigen::MatrixXd& by_free, const AngularBalance& angular,
+            const AngularBalance::Rows& rows, InterfaceJacobian& jacobian) const {
+    const Eigen::Index ports = jacobian.rows() / 6;
+    const auto add = [&](Eigen::Index column, Eigen::Index moving) {
+      const auto port = static_cast<std::size_t>(column / 12);
+      const Eigen::Index c = column % 12;
+      for (Eigen::Index k = 0; k < ports; ++k) {
+        auto torque = jacobian.col(column).segment<3>(6 * k + 3);
+        if (moving >= 0) torque += by_free.col(moving).segment<3>(3 * k);
+        if (c < 3) torque += rows.ports.block<3, 1>(3 * k, 6 * (column / 12) + c);
+        if (c >= 6 && c < 9) torque += rows.ports.block<3, 1>(3 * k, 6 * (column / 12) + c - 3);
+      }
+      for (std::size_t j = 0; j < nodes_.size(); ++j) {
+        AngularBalance::Held change;
+        const PortNode& node = nodes_[j];
+        if (moving >= 0) {
+          change.r = reactions_.col(moving).segment<3>(3 * static_cast<Eigen::Index>(j));
+        }
+        if (node.port == port) {
+          if (c < 3) change.x = Eigen::Vector3d::Unit(c);
+          if (c >= 3 && c < 6) change.x = Eigen::Vector3d::Unit(c - 3).cross(node.arm);
+          change.v = node.rate.col(c);
+        }
+        for (Eigen::Index k = 0; k < ports; ++k) {
+          jacobian.col(column).segment<3>(6 * k + 3) +=
+              angular.held(rows, static_cast<std::size_t>(k), node.node, change);
+        }
+      }
+    };
+    Eigen::Index moving = 0;
+    for (Eigen::Index column = 0; column < jacobian.cols(); ++column) {
+      const bool moves = moving < columns() && moving_[static_cast<std::size_t>(moving)] == column;
+      add(column, moves ? moving++ : -1);
     }
   }
 
@@ -166,17 +224,35 @@ bool condenses(const Model& model, const Linearisation& kept) {
 }
 
 SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& end,
-                     const TorqueArms& torques, const Linearisation& kept,
+                     const CondensedTorques& torques, const Linearisation& kept,
                      InterfaceJacobian& jacobian) {
   jacobian.setZero(6 * static_cast<Eigen::Index>(arms.size()),
                    12 * static_cast<Eigen::Index>(arms.size()));
   if (arms.empty()) return {};
-  Condensation condensation(model, arms, end, torques, kept);
+  Condensation condensation(model, arms, end, torques.arms, kept);
+  AngularBalance::Rows rows = torques.angular.rows();
+  condensation.add_reactions(torques.angular, rows);
   Eigen::MatrixXd x = condensation.right_hand_sides();
-  const Eigen::VectorXd norms = x.colwise().norm();
+  Eigen::VectorXd norms = x.colwise().norm();
+  const Eigen::Index columns = x.cols();
+  const bool exact = model.params.solver.kind == SolverKind::Cholmod;
+  if (!exact) {
+    // Solutions of Bᵀ for the second order of B x, measured by what they are added to.
+    x.conservativeResize(Eigen::NoChange, columns + rows.free.rows());
+    x.rightCols(rows.free.rows()) = rows.free.transpose();
+    norms.conservativeResize(x.cols());
+    norms.tail(rows.free.rows()).setConstant(norms.head(columns).maxCoeff());
+  }
   Eigen::MatrixXd left;
   const SolveReport report = kept.solver->solve_roughly(x, norms, left);
   if (report.outcome == Outcome::Failed) return report;
+  Eigen::MatrixXd by_free = rows.free * x.leftCols(columns);
+  if (!exact) {
+    by_free += x.rightCols(rows.free.rows()).transpose() * left.leftCols(columns);
+    x.conservativeResize(Eigen::NoChange, columns);
+    left.conservativeResize(Eigen::NoChange, columns);
+  }
+  condensation.turn(by_free, torques.angular, rows, jacobian);
   condensation.add_interior(x);
   condensation.wrenches(x, left, jacobian);
   return report;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fem_process/angular_balance.h"
 #include "fem_process/model.h"
 #include "fem_process/transient_step.h"
 
@@ -20,9 +21,14 @@ namespace tandem::fem {
 /// r_c, and a symmetric S
 ///   T_wᵀ S_pI S_II⁻¹ S_Ip T_c = −T_wᵀ S_pI x_c + x_wᵀ r_c + r_wᵀ S_II⁻¹ r_c.
 /// The last term, of second order, is left out, and with it the turn of the
-/// arms within the step in x_w. 6P × 12P.
+/// arms within the step in x_w. The rows B of AngularBalance likewise: with
+/// y = S_II⁻¹ Bᵀ, B x = B x_c + yᵀ r_c. 6P × 12P.
+struct CondensedTorques {
+  const TorqueArms& arms;
+  const AngularBalance& angular;  ///< its rows come on top
+};
 SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& end,
-                     const TorqueArms& torques, const Linearisation& kept,
+                     const CondensedTorques& torques, const Linearisation& kept,
                      InterfaceJacobian& jacobian);
 
 }  // namespace tandem::fem

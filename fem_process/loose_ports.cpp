@@ -181,14 +181,6 @@ LoosePorts::Rates LoosePorts::prescribe(const StepMap& map, const RigidStep& rig
   return rates;
 }
 
-MotionSet LoosePorts::origins(const MotionSet& seen, const TorqueArms& torques) const {
-  MotionSet motions = seen;
-  for (const Port& port : ports_) {
-    motions[port.index].p_WP -= torques.pose[port.index].p_WP - torques.about[port.index];
-  }
-  return motions;
-}
-
 void LoosePorts::follow(const MotionSet& end, Eigen::VectorXd& x) const {
   for (const auto& [index, average, bushing] : ports_) {
     if (bushing) continue;
@@ -337,11 +329,11 @@ double LoosePorts::energy_J(const MotionSet& motions, const Eigen::VectorXd& q) 
   return energy;
 }
 
-void LoosePorts::add_wrenches(const MotionSet& pose, const Eigen::VectorXd& q,
+void LoosePorts::add_wrenches(const std::vector<Eigen::Vector3d>& about, const Eigen::VectorXd& q,
                               const Eigen::VectorXd& phi, WrenchSet& wrenches) const {
   for (std::size_t k = 0; k < ports_.size(); ++k) {
     Vector12 arms = part(q, k);
-    arms.head<3>() -= pose[ports_[k].index].p_WP;
+    arms.head<3>() -= about[ports_[k].index];
     const Vector12 forces = part(phi, k);
     Wrench& wrench = wrenches[ports_[k].index];
     wrench.f_P_W -= forces.head<3>();

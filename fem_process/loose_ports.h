@@ -115,13 +115,9 @@ class LoosePorts {
   /// Strain energy of the bushings (J).
   [[nodiscard]] double energy_J(const MotionSet& motions, const Eigen::VectorXd& q) const;
 
-  /// The ports as `seen`, moved so that arms from their origins are arms from the points that the
-  /// torques are taken about.
-  [[nodiscard]] MotionSet origins(const MotionSet& seen, const TorqueArms& torques) const;
-
-  /// Subtracts the resultants of φ about the ports' origins, the arms as in q.
-  void add_wrenches(const MotionSet& pose, const Eigen::VectorXd& q, const Eigen::VectorXd& phi,
-                    WrenchSet& wrenches) const;
+  /// Subtracts the resultants of φ about the points given, the arms as in q.
+  void add_wrenches(const std::vector<Eigen::Vector3d>& about, const Eigen::VectorXd& q,
+                    const Eigen::VectorXd& phi, WrenchSet& wrenches) const;
 
   /// Relation of port k of these.
   [[nodiscard]] PortRelation relation(std::size_t k, const PortsSeen& seen,

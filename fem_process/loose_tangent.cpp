@@ -72,15 +72,15 @@ Eigen::VectorXd LooseTangent::correction(const Eigen::VectorXd& dx, const Eigen:
   return -G_.solve(row_scale_.asDiagonal() * dF);
 }
 
-void add_wrench_derivative(const LoosePorts& ports, const MotionSet& pose, const Eigen::VectorXd& q,
-                           const Eigen::VectorXd& phi, const Eigen::VectorXd& d_pose,
-                           const Eigen::VectorXd& dq, const Eigen::VectorXd& d_phi,
-                           WrenchSet& wrenches) {
-  ports.add_wrenches(pose, q, d_phi, wrenches);
+void add_wrench_derivative(const LoosePorts& ports, const std::vector<Eigen::Vector3d>& about,
+                           const Eigen::VectorXd& q, const Eigen::VectorXd& phi,
+                           const Eigen::VectorXd& d_about, const Eigen::VectorXd& dq,
+                           const Eigen::VectorXd& d_phi, WrenchSet& wrenches) {
+  ports.add_wrenches(about, q, d_phi, wrenches);
   for (std::size_t k = 0; k < ports.ports().size(); ++k) {
     const std::size_t index = ports.ports()[k].index;
     Vector12 d_arms = part(dq, k);
-    d_arms.head<3>() -= change_of(d_pose, index).head<3>();
+    d_arms.head<3>() -= d_about.segment<3>(3 * static_cast<Eigen::Index>(index));
     for (int j = 0; j < 12; j += 3) {
       wrenches[index].t_P_W -=
           Eigen::Vector3d(d_arms.segment<3>(j))

@@ -45,11 +45,11 @@ class LooseTangent {
   Eigen::PartialPivLU<Eigen::MatrixXd> G_;
 };
 
-/// Adds the derivative of LoosePorts::add_wrenches(): poses, arms q and forces φ change by
-/// `d_pose` (12 per port), dq and dφ.
-void add_wrench_derivative(const LoosePorts& ports, const MotionSet& pose, const Eigen::VectorXd& q,
-                           const Eigen::VectorXd& phi, const Eigen::VectorXd& d_pose,
-                           const Eigen::VectorXd& dq, const Eigen::VectorXd& d_phi,
-                           WrenchSet& wrenches);
+/// Adds the derivative of LoosePorts::add_wrenches(): the points, arms q and forces φ change by
+/// `d_about` (3 per port), dq and dφ.
+void add_wrench_derivative(const LoosePorts& ports, const std::vector<Eigen::Vector3d>& about,
+                           const Eigen::VectorXd& q, const Eigen::VectorXd& phi,
+                           const Eigen::VectorXd& d_about, const Eigen::VectorXd& dq,
+                           const Eigen::VectorXd& d_phi, WrenchSet& wrenches);
 
 }  // namespace tandem::fem

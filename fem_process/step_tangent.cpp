@@ -15,6 +15,17 @@ Eigen::VectorXd StepTangent::damped_change(const Direction& direction) const {
   return direction.dv + direction.d_shift - direction.d_reference;
 }
 
+/// Of the velocities in W that mass damping brakes.
+Eigen::VectorXd StepTangent::drag_change(const Direction& direction) const {
+  Eigen::VectorXd dragged = direction.dv;
+  if (direction.d_drag.size() == 0) return dragged;
+  const Eigen::VectorXd& d_drag = direction.d_drag;
+  for (int node : model_.free) dragged.segment<3>(3 * node) += d_drag.segment<3>(3 * node);
+  if (model_.integrator->keeps_history()) return dragged;
+  for (int node : model_.prescribed) dragged.segment<3>(3 * node) += d_drag.segment<3>(3 * node);
+  return dragged;
+}
+
 /// Derivative of M a + C w + T f_int − f_ext: of its linearisation at x̃ or, where the step is
 /// iterated to equilibrium, of itself at x⁺.
 Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& direction,
@@ -48,17 +59,8 @@ Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& directi
     change = multiply(model_.pattern(), kept.stiffness(), strained, part);
   }
   if (damping.alpha_per_s > 0.0) {
-    Eigen::VectorXd dragged = direction.dv;
-    if (direction.d_drag.size() > 0) {
-      const Eigen::VectorXd& d_drag = direction.d_drag;
-      for (int node : model_.free) dragged.segment<3>(3 * node) += d_drag.segment<3>(3 * node);
-      if (!model_.integrator->keeps_history()) {
-        for (int node : model_.prescribed) {
-          dragged.segment<3>(3 * node) += d_drag.segment<3>(3 * node);
-        }
-      }
-    }
-    change += damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, dragged, part);
+    change += damping.alpha_per_s *
+              multiply_scalar(model_.pattern(), model_.mass, drag_change(direction), part);
   }
   if (direction.turning.size() > 0) change += direction.turning;
   change += multiply_scalar(model_.pattern(), model_.mass, direction.da, part);
@@ -81,27 +83,43 @@ void StepTangent::add_arms(const Step& step, const Direction& direction,
   }
 }
 
-/// Wrench derivatives of one direction.
-void StepTangent::answer(const Step& step, Eigen::Index column, const Direction& direction) {
+/// Wrench derivatives of one direction, and the state's after the step where either needs it.
+void StepTangent::answer(const Step& step, Eigen::Index column, const AngularBalance* angular,
+                         Direction& direction) {
   WrenchSet d_wrenches(arms_.size());
+  Eigen::VectorXd d_react = Eigen::VectorXd::Zero(step.begin.x.size());
   if (direction.moves) {
     const ProductPart part{.rows = &model_.prescribed};
-    Eigen::VectorXd d_react = residual(step, direction, part);
+    d_react = residual(step, direction, part);
     for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
     d_wrenches = port_wrenches(model_, arms_, step.result.torques, d_react);
     if (step.loose != nullptr) {
       Eigen::VectorXd dx = direction.dd;
       if (direction.started()) dx += direction.map.x_tilde;
-      Eigen::VectorXd d_pose = direction.d_seen.motions;
-      for (Eigen::Index p = 0; 12 * p < d_pose.size(); ++p) {
-        d_pose.segment<3>(12 * p) -= direction.d_origin.segment<3>(3 * p);
-      }
-      add_wrench_derivative(loose_, loose_.origins(step.result.seen.motions, step.result.torques),
-                            step.result.q, step.result.state.attached, d_pose,
+      add_wrench_derivative(loose_, step.result.torques.about, step.result.q,
+                            step.result.state.attached, direction.d_about,
                             arms_change(step, direction, dx), direction.d_phi, d_wrenches);
+      loose_.add_forces(direction.d_phi, 1.0, d_react);
     }
   }
   add_arms(step, direction, d_wrenches);
+  if (angular != nullptr || micro_steps_ > 1) {
+    State after = concluded(step, direction);
+    if (angular != nullptr) {
+      const Eigen::VectorXd dragged =
+          model_.params.damping.alpha_per_s > 0.0 ? drag_change(direction) : Eigen::VectorXd{};
+      angular->add_change({.x_end = after.x,
+                           .v_end = after.v,
+                           .react = d_react,
+                           .dragged = dragged,
+                           .x_begin = direction.begin.x,
+                           .v_begin = direction.begin.v,
+                           .x_middle = direction.map.x_tilde},
+                          d_wrenches);
+    }
+    direction.begin = std::move(after);
+    direction.port_begin = direction.port_end;
+  }
   jacobian_.col(column) = stack(d_wrenches);
 }
 
@@ -229,7 +247,8 @@ SolveReport StepTangent::advance(const State& begin, const Motions& end, const M
   Step step{begin, end, about, result, kept, nullptr};
   const Linearisation& last = kept.last();
   if (loose_.empty() && micro_steps_ == 1 && condenses(model_, last)) {
-    return condense(model_, arms_, end.value, result.torques, kept, jacobian_);
+    const AngularBalance angular(model_, carry_, balanced(begin, kept, result));
+    return condense(model_, arms_, end.value, {result.torques, angular}, kept, jacobian_);
   }
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
   directions_.resize(static_cast<std::size_t>(columns));
@@ -271,10 +290,10 @@ SolveReport StepTangent::advance(const State& begin, const Motions& end, const M
     }
   }
   if (report.outcome == Outcome::Failed) return report;
+  std::optional<AngularBalance> angular;
+  if (step_.balances_angular()) angular.emplace(model_, carry_, balanced(begin, kept, result));
   for (Eigen::Index c = 0; c < columns; ++c) {
-    Direction& direction = directions_[static_cast<std::size_t>(c)];
-    answer(step, c, direction);
-    if (micro_steps_ > 1) conclude(step, direction);
+    answer(step, c, angular ? &*angular : nullptr, directions_[static_cast<std::size_t>(c)]);
   }
   return report;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fem_process/angular_balance.h"
 #include "fem_process/loose_tangent.h"
 #include "fem_process/model.h"
 #include "fem_process/state.h"
@@ -85,9 +86,10 @@ class StepTangent {
     Eigen::VectorXd d_phi;            ///< of the forces of averaging ports and bushings
     Eigen::VectorXd turning;          ///< of T f_int(x̃) + K(x̃) y at fixed y = β w + d
     Eigen::VectorXd dd_first;         ///< dd where the forces of a correction stand; empty: zero
-    Eigen::VectorXd d_origin;         ///< of where the torques' arms begin, 3 per port (m)
-    Eigen::VectorXd d_arms_turn;      ///< of the pose that they turn with, 3 per port (rad)
-    bool moves = false;               ///< false: nothing changes in the balance of forces
+    Eigen::VectorXd d_about;      ///< of the points that torques are taken about, 3 per port (m)
+    Eigen::VectorXd d_origin;     ///< of the ports' origins from there, as forces have arms (m)
+    Eigen::VectorXd d_arms_turn;  ///< of the pose that they turn with, 3 per port (rad)
+    bool moves = false;           ///< false: nothing changes in the balance of forces
     [[nodiscard]] bool started() const { return begin.x.size() > 0; }
   };
   /// The kinematics of the step with begin and end changed along a direction, `amount` times.
@@ -111,9 +113,11 @@ class StepTangent {
   SolveReport correct_once(const Step& step, const std::vector<Eigen::Index>& moving);
   void take(const Step& step, const Eigen::VectorXd& column, Direction& direction) const;
   void attach(const Step& step, Direction& direction) const;
-  void answer(const Step& step, Eigen::Index column, const Direction& direction);
+  void answer(const Step& step, Eigen::Index column, const AngularBalance* angular,
+              Direction& direction);
   void add_arms(const Step& step, const Direction& direction, WrenchSet& d_wrenches) const;
-  void conclude(const Step& step, Direction& direction) const;
+  [[nodiscard]] State concluded(const Step& step, const Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd drag_change(const Direction& direction) const;
 
   const Model& model_;
   const TransientStep& step_;

@@ -165,18 +165,17 @@ void StepTangent::see(const Step& step, Direction& direction) const {
   } else {
     direction.dv = Eigen::VectorXd::Zero(n);
   }
-  const auto torques = [&](const Nudged& nudged) {
-    return step_.torque_arms(nudged.begin, nudged.end, step.about, step.kept.h_s);
-  };
-  const TorqueArms a = torques(below);
-  const TorqueArms b = torques(above);
+  const TorqueArms a = step_.torque_arms(below.carried, below.end, step.about);
+  const TorqueArms b = step_.torque_arms(above.carried, above.end, step.about);
   const Eigen::VectorXd pose = scale * difference(a.pose, b.pose);
+  direction.d_about.resize(pose.size() / 4);
   direction.d_origin.resize(pose.size() / 4);
   direction.d_arms_turn.resize(pose.size() / 4);
   for (std::size_t p = 0; p < a.pose.size(); ++p) {
     const auto at = static_cast<Eigen::Index>(p);
+    direction.d_about.segment<3>(3 * at) = scale * (b.about[p] - a.about[p]);
     direction.d_origin.segment<3>(3 * at) =
-        pose.segment<3>(12 * at) - scale * (b.about[p] - a.about[p]);
+        pose.segment<3>(12 * at) - direction.d_about.segment<3>(3 * at);
     direction.d_arms_turn.segment<3>(3 * at) = pose.segment<3>(12 * at + 3);
   }
   if (!loose_.empty()) see_loose(below, above, direction);
@@ -211,6 +210,10 @@ void StepTangent::see_loose(const Nudged& below, const Nudged& above, Direction&
 /// Derivative of the coordinates q at which the ports' forces act, x⁺ being changed by dx.
 Eigen::VectorXd StepTangent::arms_change(const Step& step, const Direction& direction,
                                          const Eigen::VectorXd& dx) const {
+  if (step_.balances_angular()) {  // they are those of x̃
+    if (!direction.started()) return Eigen::VectorXd::Zero(loose_.size());
+    return loose_.coordinates(direction.map.x_tilde);
+  }
   const Eigen::VectorXd dq = loose_.coordinates(dx);
   if (!model_.integrator->keeps_history()) return dq;
   const auto followed = [&](double amount) {
@@ -303,7 +306,7 @@ void StepTangent::prescribe(const Step& step, Eigen::Index column, Direction& di
 }
 
 /// Derivative of the state after the step.
-void StepTangent::conclude(const Step& step, Direction& direction) const {
+State StepTangent::concluded(const Step& step, const Direction& direction) const {
   const TransientStep::Result& result = step.result;
   const auto after = [&](double amount) {
     const Nudged nudged = nudge(step, direction, amount);
@@ -331,10 +334,9 @@ void StepTangent::conclude(const Step& step, Direction& direction) const {
     loose_.follow(nudged.end, state.x);
     return state;
   };
-  const Eigen::VectorXd d_phi = direction.d_phi;
-  direction.begin = slope(after(-direction.amount), after(direction.amount), direction.amount);
-  direction.begin.attached = d_phi;
-  direction.port_begin = direction.port_end;
+  State change = slope(after(-direction.amount), after(direction.amount), direction.amount);
+  change.attached = direction.d_phi;
+  return change;
 }
 
 }  // namespace tandem::fem

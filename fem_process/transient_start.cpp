@@ -41,7 +41,7 @@ SolveReport TransientStep::start(const MotionSet& motions, State& state,
   Eigen::VectorXd react;
   const SolveReport report = accelerate(state, a, react);
   wrenches = port_wrenches(model_, arms_, arms_at(motions), react);
-  loose_.add_wrenches(motions, q, state.attached, wrenches);
+  loose_.add_wrenches(arms_at(motions).about, q, state.attached, wrenches);
   state.port_wrenches = wrenches;
   state.bushing_J = loose_.energy_J(motions, q);
   state.bushing_loss_W = bushing_loss_W(loose_, motions, q, loose_.coordinates(state.v));

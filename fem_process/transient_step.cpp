@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "fem_process/angular_balance.h"
 #include "fem_process/make_formulation.h"
 #include "fem_process/nearby_solver.h"
 #include "fem_process/node_vectors.h"
@@ -250,29 +251,25 @@ SolveReport TransientStep::attach(const Input& input, const Linearisation& kept,
 }
 
 /// Wrenches and energies of the ports at the end of the step, the nodes at `x_seen`.
-void TransientStep::pull(const Eigen::VectorXd& x_seen, Result& result) const {
+void TransientStep::pull(const Carried& carried, const Eigen::VectorXd& x_seen,
+                         Result& result) const {
   result.wrenches = port_wrenches(model_, arms_, result.torques, result.react);
+  result.on_nodes = result.react;
   if (loose_.empty()) return;
   result.q = loose_.coordinates(x_seen);
-  const MotionSet& seen = result.seen.motions;
-  loose_.add_wrenches(loose_.origins(seen, result.torques), result.q, result.state.attached,
-                      result.wrenches);
-  result.state.bushing_J = loose_.energy_J(seen, result.q);
+  result.state.bushing_J = loose_.energy_J(result.seen.motions, result.q);
+  if (balances_angular()) result.q = loose_.coordinates(carried.begin.x);
+  const Eigen::VectorXd& attached = result.state.attached;
+  loose_.add_wrenches(result.torques.about, result.q, attached, result.wrenches);
+  loose_.add_forces(attached, 1.0, result.on_nodes);
 }
 
-TorqueArms TransientStep::torque_arms(const State& begin, const MotionSet& end,
-                                      const MotionSet& about, double h_s) const {
-  if (!model_.integrator->constant_forces()) return arms_at(end);
-  TorqueArms arms{.pose = begin.port_motions, .about = {}};
-  for (std::size_t p = 0; p < end.size(); ++p) {
-    Motion& pose = arms.pose[p];
-    const Eigen::Vector3d rate =
-        begin.port_rates.a_mean.segment<3>(3 * static_cast<Eigen::Index>(p));
-    pose.p_WP += 0.5 * h_s * pose.v_WP +
-                 displacement_of(acceleration_after(rate, pose.w_WP, h_s), pose.w_WP, 0.5 * h_s);
-    pose.q_WP = Eigen::Quaterniond(turned_by(0.5 * h_s * pose.w_WP)) * pose.q_WP;
-    arms.about.push_back(about[p].p_WP);
-  }
+TorqueArms TransientStep::torque_arms(const Carried& carried, const MotionSet& end,
+                                      const MotionSet& about) const {
+  TorqueArms arms = arms_at(end);
+  if (!model_.integrator->constant_forces()) return arms;
+  if (balances_angular()) arms.pose = carry_->turned_by_half(carried);
+  for (std::size_t p = 0; p < end.size(); ++p) arms.about[p] = about[p].p_WP;
   return arms;
 }
 
@@ -317,7 +314,7 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
   result.seen = carry_->ports_seen(kept.carried, end);
-  result.torques = torque_arms(begin, end, about, kept.h_s);
+  result.torques = torque_arms(kept.carried, end, about);
   if (model_.integrator->keeps_history()) {
     result.rates = loose_.prescribe(map, kept.carried.rigid, d_hat, {end, result.seen}, d, a);
   }
@@ -341,7 +338,7 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
   // Where the balance is that of the end, the forces have the arms of the end.
   if (model_.integrator->keeps_history()) loose_.follow(end, x_seen);
   for (int node : model_.free) x.segment<3>(3 * node) = x_seen.segment<3>(3 * node);
-  pull(x_seen, result);
+  pull(kept.carried, x_seen, result);
   result.damped = damped(input, v);
   if (is_damped()) result.dragged = dragged(input, v);
   if (remembers()) {
@@ -357,8 +354,13 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
                    {.x = std::move(x), .v = result.y, .a = a, .rates = result.rates, .end = end},
                    result.state);
   loose_.follow(end, result.state.x);
-  Eigen::VectorXd on_nodes = result.react;
-  loose_.add_forces(result.state.attached, 1.0, on_nodes);
+  if (balances_angular()) {
+    result.external = f_ext;
+    if (model_.params.damping.alpha_per_s > 0.0) {
+      result.external -= model_.params.damping.alpha_per_s * inertia(result.dragged);
+    }
+    AngularBalance(model_, *carry_, balanced(begin, kept, result)).add(result.wrenches);
+  }
   book_step(model_, begin,
             {.kept = kept.last(),
              .carried = kept.carried,
@@ -366,7 +368,7 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
              .carry = *carry_,
              .f_begin = kept.f_int,
              .d = d,
-             .react = on_nodes,
+             .react = result.on_nodes,
              .commanded = commanded,
              .damped = result.damped,
              .dragged = result.dragged,

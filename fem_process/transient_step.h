@@ -96,10 +96,12 @@ class TransientStep {
     StepTimes times;
     State state;
     WrenchSet wrenches;
-    Eigen::VectorXd d;      ///< x⁺ − x̃ as the balance of forces has it (m)
-    Eigen::VectorXd react;  ///< nodal reactions at the end (N)
-    Eigen::VectorXd q;      ///< of LoosePorts, as the balance has them
-    PortsSeen seen;         ///< port motions as the balance has them, see Carry
+    Eigen::VectorXd d;         ///< x⁺ − x̃ as the balance of forces has it (m)
+    Eigen::VectorXd react;     ///< nodal reactions at the end (N)
+    Eigen::VectorXd q;         ///< of LoosePorts, where their forces have their arms
+    Eigen::VectorXd external;  ///< loads, weight and drag (N)
+    Eigen::VectorXd on_nodes;  ///< reactions and forces of LoosePorts (N)
+    PortsSeen seen;            ///< port motions as the balance has them, see Carry
     TorqueArms torques;
     Eigen::VectorXd first_damped;    ///< `damped` before a correction
     Eigen::VectorXd first_y;         ///< `y` before a correction, where there are loose ports,
@@ -117,12 +119,14 @@ class TransientStep {
   Result advance(const State& begin, const MotionSet& end, const MotionSet& about, SimTime h,
                  Linearisation& kept) const;
 
-  /// Where the forces of such a step have their arms. With backward Euler in the middle of the step
-  /// as its beginning foretells it: ports turn at the rate that they have, their accelerations with
-  /// them. So the wrench stays affine in the motions at the end of the step; steady turning is
-  /// exact.
-  [[nodiscard]] TorqueArms torque_arms(const State& begin, const MotionSet& end,
-                                       const MotionSet& about, double h_s) const;
+  /// Where the forces of such a step have their arms: at its end, with backward Euler where the
+  /// half turn of the body takes the ports from its beginning (see AngularBalance for the rest).
+  [[nodiscard]] TorqueArms torque_arms(const Carried& carried, const MotionSet& end,
+                                       const MotionSet& about) const;
+  /// Whether torques close the body's angular momentum.
+  [[nodiscard]] bool balances_angular() const {
+    return model_.integrator->constant_forces() && model_.integrator->inertia();
+  }
 
   /// d(T f_int(x̃) + K(x̃) y) along dx̃, y held, of what K is in this linearisation.
   [[nodiscard]] Eigen::VectorXd turning(const Linearisation& at, const Eigen::VectorXd& x,
@@ -175,7 +179,7 @@ class TransientStep {
   /// Adds what the forces of averaging ports and bushings do.
   SolveReport attach(const Input& input, const Linearisation& kept, Eigen::VectorXd& v,
                      Eigen::VectorXd& a, Result& result) const;
-  void pull(const Eigen::VectorXd& x_seen, Result& result) const;
+  void pull(const Carried& carried, const Eigen::VectorXd& x_seen, Result& result) const;
   [[nodiscard]] Eigen::VectorXd damping_force(const BlockValues& K, const Eigen::VectorXd& v,
                                               const Eigen::VectorXd& beyond) const;
   [[nodiscard]] bool is_damped() const;

@@ -8,12 +8,21 @@ namespace tandem::coupled_test {
 namespace {
 
 /// Two first-order steps of other make may differ by terms of their own order: 1.5 times the listed
-/// error is another's bound. Ours turns elastic displacements and forces by half the step's turn,
-/// in opposite ways (MiddleCarry): exact in steady turning, but where a spinning body vibrates
-/// along its length the direction of a displacement is off by ω h, where the listed step's is by ω
-/// h/2. The errors of angular velocities are then up to 2.7 times the listed ones, and still of
-/// first order.
-constexpr double kAllowedFactor = 3.0;
+/// error is another's bound.
+constexpr double kAllowedFactor = 1.5;
+
+/// Ours turns elastic displacements and forces by half the step's turn, in opposite ways
+/// (MiddleCarry): exact in steady turning, but where a spinning body vibrates along its length the
+/// direction of a displacement is off by ω h, where the listed step's is by ω h/2. That is twice
+/// the error of how the ends of the free bar swing beside its spin, and what they do of second
+/// order.
+constexpr double kAllowedFactorOfSwing = 3.5;
+
+double allowed_factor(const TruthCase& truth, const std::string& quantity) {
+  const bool swings =
+      quantity.ends_with("_quat") || quantity.ends_with("_omega") || quantity.ends_with("_M");
+  return truth.name == "two_masses" && swings ? kAllowedFactorOfSwing : kAllowedFactor;
+}
 
 using Errors = std::map<std::string, double>;
 
@@ -28,7 +37,7 @@ std::vector<Errors> expect_listed_errors(const TruthCase& truth,
         largest_errors(truth, monolithic_trajectory(truth, listed.steps_s[i]), reference));
     EXPECT_EQ(listed.errors.size(), truth.quantities.size());
     for (const auto& [quantity, errors] : listed.errors) {
-      EXPECT_LE(all.back().at(quantity), kAllowedFactor * errors.at(i))
+      EXPECT_LE(all.back().at(quantity), allowed_factor(truth, quantity) * errors.at(i))
           << truth.name << " " << quantity << " at h = " << listed.steps_s[i] << " s";
       // An error of nothing would mean that nothing was compared.
       EXPECT_GT(all.back().at(quantity), 0.1 * errors.at(i)) << quantity;
