@@ -64,6 +64,13 @@ void add_turn(const Model& model, const std::filesystem::path& folder, RunBooks&
 
 }  // namespace
 
+bool is_second_order(const scenario::Node& fem) {
+  if (fem.text("model") == "ancf") return true;
+  const scenario::Node integrator = fem.section("integrator");
+  const std::string kind = integrator.text("kind");
+  return kind == "newmark" ? integrator.real("newmark_gamma") == 0.5 : kind != "backward_euler";
+}
+
 RunBooks books_of_model(const Model& model, bool monolithic) {
   const scenario::Node& root = model.scenario.root;
   const scenario::Node fem = root.section("fem");
@@ -73,17 +80,14 @@ RunBooks books_of_model(const Model& model, bool monolithic) {
                                           scheme == SchemeKind::ExplicitParallel);
   books.adaptive = model.coupling.adaptive.active();
   books.mbs_second_order = root.section("mbs").text("integrator") == "verlet";
+  books.fem_second_order = is_second_order(fem);
   if (fem.text("model") == "ancf") {
-    books.fem_second_order = true;
     books.contact = has_contact(fem);
   } else {
     const scenario::Node integrator = fem.section("integrator");
-    const std::string kind = integrator.text("kind");
-    books.fem_second_order =
-        kind == "newmark" ? integrator.real("newmark_gamma") == 0.5 : kind != "backward_euler";
     books.reduced = fem.text("formulation") == "craig_bampton";
-    books.linearised =
-        !books.reduced && kind != "quasi_static" && integrator.integer("newton_steps") == 0;
+    books.linearised = !books.reduced && integrator.text("kind") != "quasi_static" &&
+                       integrator.integer("newton_steps") == 0;
   }
   books.lightest_port_body_kg = lightest_kg(model, port_bodies(model));
   return books;

@@ -10,6 +10,9 @@
 
 namespace tandem::orchestrator {
 
+/// Whether the flexible side's integrator is of second order.
+[[nodiscard]] bool is_second_order(const scenario::Node& fem);
+
 /// What decides on the remedies: scheme, integrators, contact. `monolithic`: no scheme is used.
 [[nodiscard]] RunBooks books_of_model(const Model& model, bool monolithic);
 

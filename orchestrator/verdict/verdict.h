@@ -42,7 +42,7 @@ struct RunBooks {
   bool adaptive = false;
   bool contact = false;
   bool linearised = false;  ///< one linearised step of the mesh, without iteration
-  bool reduced = false;  ///< craig_bampton
+  bool reduced = false;     ///< craig_bampton
   bool mbs_second_order = false;
   bool fem_second_order = false;
 };
