@@ -11,6 +11,14 @@ namespace tandem::fem {
 /// fixed, and with it every bit. Zero without free nodes.
 [[nodiscard]] double highest_angular_frequency(const Model& model);
 
+/// The same with the masses that the steps use, model.mass: consistent ones put it up to √5 times
+/// higher on first-order tetrahedra.
+[[nodiscard]] double highest_step_frequency(const Model& model);
+
+/// Largest step (s) at which Newmark's rule with γ ≥ ½ is stable for undamped motion of angular
+/// frequency w (rad/s): 1/(w √(γ/2 − β)); infinite for β ≥ γ/2.
+[[nodiscard]] double newmark_step_limit_s(double beta, double gamma, double w);
+
 /// Largest step H (s) at which symplectic Euler of the nodes,
 ///   v⁺ = v + H M⁻¹ (f − K x − C v),   x⁺ = x + H v⁺,
 /// is stable at rest: H = 2 (√(1 + ζ²) − ζ) / ω, the smallest over all modes, which is that of the

@@ -14,18 +14,6 @@ double step_s(const Params& params) {
   return to_seconds(params.micro_step.value_or(params.macro_step));
 }
 
-double largest_rate(const MotorParams& motor, double h_s, double duration_s) {
-  // Every step of shorter runs, a hundred thousand of longer ones.
-  const double steps = std::max(1.0, std::round(duration_s / h_s));
-  const auto samples = static_cast<int>(std::min(steps, 1e5));
-  double largest = 0.0;
-  for (int i = 0; i < samples; ++i) {
-    const double t_s = h_s * std::floor(i * steps / samples);
-    largest = std::max(largest, std::abs(motor_rate(motor, MotorAim::Mean, 0.0, t_s, h_s, 0.0)));
-  }
-  return largest;
-}
-
 bool holds_a_point(JointKind kind) { return kind != JointKind::Slider && kind != JointKind::Fixed; }
 
 }  // namespace
@@ -38,7 +26,7 @@ JointDrift joint_drift(const Params& params, double duration_s) {
     if (!driven.motor || driven.kind == JointKind::Slider) continue;
     const Eigen::Vector3d axis =
         (driven.motor->axis == 1 ? driven.axis_W : driven.axis2_W).normalized();
-    const double rate = largest_rate(*driven.motor, h_s, duration_s);
+    const double rate = largest_motor_rate(*driven.motor, h_s, duration_s);
     const BodyParams& body = params.bodies[body_index(params, driven.body1).value()];
     for (const JointParams& joint : params.joints) {
       if (joint.body1 != body.name && joint.body2 != body.name) continue;

@@ -1,5 +1,8 @@
 #include "mbs_process/motor_rate.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace tandem::mbs {
 
 double motor_rate(const MotorParams& motor, MotorAim aim, double coordinate, double t_s, double h_s,
@@ -13,6 +16,18 @@ double motor_rate(const MotorParams& motor, MotorAim aim, double coordinate, dou
   if (aim == MotorAim::End) return (law(t_s + 1.5 * h_s) - law(t_s + 0.5 * h_s)) / h_s;
   const double target = law(t_s) - law(0.0);
   return (law(end_s) - law(t_s) - erp * (coordinate - target)) / h_s;
+}
+
+double largest_motor_rate(const MotorParams& motor, double h_s, double duration_s) {
+  // Every step of shorter runs, a hundred thousand of longer ones.
+  const double steps = std::max(1.0, std::round(duration_s / h_s));
+  const auto samples = static_cast<int>(std::min(steps, 1e5));
+  double largest = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    const double t_s = h_s * std::floor(i * steps / samples);
+    largest = std::max(largest, std::abs(motor_rate(motor, MotorAim::Mean, 0.0, t_s, h_s, 0.0)));
+  }
+  return largest;
 }
 
 }  // namespace tandem::mbs

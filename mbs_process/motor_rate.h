@@ -13,4 +13,8 @@ enum class MotorAim { Mean, End };
 [[nodiscard]] double motor_rate(const MotorParams& motor, MotorAim aim, double coordinate,
                                 double t_s, double h_s, double erp);
 
+/// Largest size of the mean rate in steps of h_s over a run, drift left out: of every step of
+/// shorter runs, of a hundred thousand of longer ones.
+[[nodiscard]] double largest_motor_rate(const MotorParams& motor, double h_s, double duration_s);
+
 }  // namespace tandem::mbs

@@ -33,8 +33,9 @@ namespace tandem::mbs {
 /// second_half() say what softness (cfm) adds. A free body under λ alone moves by Newmark's rule,
 ///   x⁺ = x + h v + h² ((½ − β) a + β a⁺),   v⁺ = v + ½ h (a + a⁺):
 /// β = ¼ is the trapezoidal rule, which adds no limit to the coupling's stability; with β = 1/12
-/// its period error is of fourth order, and the coupled system is stable while ω h < 2.4 for the
-/// rigid body on the flexible side's port stiffness. The gyroscopic torque −w × I w is part of f.
+/// its period error is of fourth order, and the coupled system is certain to be stable while
+/// ω h < √6 for the rigid bodies on the stiffness of the flexible side's elements at their ports.
+/// The gyroscopic torque −w × I w is part of f.
 /// Second order in poses and velocities; limits, motors that saturate and dampers on fast motion
 /// are as robust as explicit forces are.
 ///

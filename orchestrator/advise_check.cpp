@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "orchestrator/body_rates.h"
 #include "orchestrator/csv_table.h"
+#include "orchestrator/verdict/verdict.h"
 
 namespace tandem::orchestrator {
 namespace {
 
-/// A first-order step turns what it turns by H ω with an error of (H ω)²/2: 2 % here.
-constexpr double kMostTurn_rad = 0.2;
+constexpr double kMostTurn_rad = VerdictLimits::kTurn_rad;
 constexpr double kMostChange = 0.2;
 constexpr int kMostTrials = 20;
 /// Fewer macro steps than this say nothing of a run.
@@ -22,21 +23,7 @@ double largest_rate_rad_per_s(const History& history, const std::filesystem::pat
   for (const AcceptedInterface& entry : history) {
     for (const Motion& motion : entry.motions) largest = std::max(largest, motion.w_WP.norm());
   }
-  const std::filesystem::path file = folder / "bodies.csv";
-  if (!std::filesystem::exists(file)) return largest;
-  const CsvTable bodies(file);
-  const std::string suffix = ".w_x_rad_per_s";
-  for (const std::string& name : bodies.names()) {
-    if (!name.ends_with(suffix)) continue;
-    const std::string body = name.substr(0, name.size() - suffix.size());
-    const std::vector<double>& x = bodies.column(name);
-    const std::vector<double>& y = bodies.column(body + ".w_y_rad_per_s");
-    const std::vector<double>& z = bodies.column(body + ".w_z_rad_per_s");
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      largest = std::max(largest, std::hypot(x[i], y[i], z[i]));
-    }
-  }
-  return largest;
+  return std::max(largest, fastest_body(folder / "bodies.csv").rate_rad_per_s);
 }
 
 double elastic_peak_J(const std::filesystem::path& folder) {

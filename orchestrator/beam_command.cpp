@@ -13,6 +13,7 @@
 #include "fem_process/ancf/beam_vtu.h"
 #include "fem_process/vtk_xml.h"
 #include "mbs_process/make_side.h"
+#include "orchestrator/verdict/run_books.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/scenario/common_keys.h"
@@ -157,17 +158,24 @@ FemOutcome run_transient(const scenario::Node& root, const std::filesystem::path
   body.initialize(held);
   record();
   const scenario::RunParams run = scenario::read_run(root);
+  BooksOfOneSide looked(body, run.macro_steps());
   for (std::int64_t step = 0; step < run.macro_steps(); ++step) {
     const StepResult<WrenchSet> result =
         body.advance({.step = run.macro_step, .input = {held, held}});
     book(result.message, outcome);
     if (result.outcome != Outcome::Done) break;
     record();
+    looked.look(step + 1);
   }
   csv.finish();
   std::printf("%lld steps to t = %g s: %s\n", static_cast<long long>(history["t_s"].size()) - 1,
               to_seconds(body.state().time),
               displacements(body.system(), body.params().watch, body.state().q).dump().c_str());
+  RunBooks books;
+  books.fem_second_order = true;
+  books.contact = !body.params().wheels.empty() || !body.params().grounds.empty();
+  looked.add_to(books);
+  add_verdict(books, outcome);
   return outcome;
 }
 

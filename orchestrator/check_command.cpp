@@ -23,6 +23,7 @@
 #include "orchestrator/nodal_scenario.h"
 #include "orchestrator/scenario_options.h"
 #include "orchestrator/scenario_table.h"
+#include "orchestrator/warnings/warnings.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -112,6 +113,12 @@ std::string describe(const fem::ancf::BeamParams& params, const fem::ancf::BeamS
          (warning ? "  warning: " + *warning + "\n" : "");
 }
 
+std::string lines_of(const std::vector<Finding>& findings) {
+  std::string text;
+  for (const Finding& finding : findings) text += "  warning: " + finding.text + "\n";
+  return text;
+}
+
 /// A scenario for `tandem fem` alone.
 std::string check_flexible(const std::string& file, const scenario::Node& root) {
   if (root.section("fem").text("model") == "ancf") {
@@ -121,7 +128,8 @@ std::string check_flexible(const std::string& file, const scenario::Node& root) 
   }
   const fem::Model model(fem::read_params(root));
   return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,
-                     describe(model, MotionSet{}));
+                     describe(model, MotionSet{})) +
+         lines_of(warnings_of(root, model));
 }
 
 std::string check_coupled(const ScenarioOptions& options) {
@@ -133,8 +141,10 @@ std::string check_coupled(const ScenarioOptions& options) {
       fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
                   model.run.macro_steps(), to_seconds(model.run.macro_step),
                   model.port_names.size(), to_string(model.coupling.scheme));
-  if (const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get())) {
-    text += describe(body->model(), mbs->initialize(WrenchSet(model.port_names.size())));
+  const MotionSet origins = mbs->initialize(WrenchSet(model.port_names.size()));
+  const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get());
+  if (body != nullptr) {
+    text += describe(body->model(), origins);
     const scenario::Node mbs_keys = model.scenario.root.section("mbs");
     if (body->model().params.nodal &&
         (mbs_keys.has("micro_step_s") || mbs_keys.text("integrator") == "verlet")) {
@@ -143,6 +153,8 @@ std::string check_coupled(const ScenarioOptions& options) {
           "every step unless damping outweighs it; use interface_jacobian\n";
     }
   }
+  text += lines_of(
+      warnings_of(model, mbs->params(), body == nullptr ? nullptr : &body->model(), origins));
   for (const std::string& note : notes_of(model.coupling)) text += "  warning: " + note + "\n";
   if (const auto warning = mbs::spring_warning(mbs->params())) {
     text += "  warning: " + *warning + "\n";
@@ -151,7 +163,7 @@ std::string check_coupled(const ScenarioOptions& options) {
     text += "  warning: " + *warning + "\n";
   }
   if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {
-    fem::ancf::check_overlap(beams->params(), mbs->initialize(WrenchSet(model.port_names.size())));
+    fem::ancf::check_overlap(beams->params(), origins);
     text += describe(beams->params(), beams->system());
   }
   return text;

@@ -19,6 +19,8 @@
 #include "orchestrator/nodal_scenario.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_table.h"
+#include "orchestrator/verdict/run_books.h"
+#include "orchestrator/verdict/verdict.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
@@ -211,6 +213,7 @@ FemOutcome run_history(const scenario::Node& root, const std::string& kind,
   const SetMotions moved(motions, model.mesh, to_seconds(model.params.micro_step));
   moved.record(body->initialize(moved.at(0.0)), history);
   record();
+  BooksOfOneSide looked(*body, run.macro_steps());
   for (std::int64_t step = 0; step < run.macro_steps(); ++step) {
     body->checkpoint();
     const double t_s = to_seconds(body->nodal_state().time);
@@ -221,10 +224,19 @@ FemOutcome run_history(const scenario::Node& root, const std::string& kind,
     if (result.outcome != Outcome::Done) break;
     moved.record(result.output, history);
     record();
+    looked.look(step + 1);
   }
   std::printf("%lld steps to t = %g s: %s\n", static_cast<long long>(history["t_s"].size()) - 1,
               to_seconds(body->nodal_state().time),
               displacements(model, body->nodal_state().x).dump().c_str());
+  if (kind == "transient") {
+    RunBooks books;
+    books.fem_second_order = model.params.integrator.kind != fem::IntegratorKind::BackwardEuler;
+    books.reduced = model.params.formulation == fem::FormulationKind::CraigBampton;
+    books.linearised = !books.reduced && model.params.integrator.newton_steps == 0;
+    looked.add_to(books);
+    add_verdict(books, outcome);
+  }
   return outcome;
 }
 
@@ -256,6 +268,13 @@ struct FemCommand {
 };
 
 }  // namespace
+
+void add_verdict(const RunBooks& books, FemOutcome& outcome) {
+  if (outcome.exit_code != 0) return;
+  const Verdict verdict = judge(books);
+  outcome.results["verdict"] = to_json(verdict);
+  std::printf("verdict: %s\n  %s\n", verdict.text().c_str(), verdict.numbers().c_str());
+}
 
 FemOutcome run_fem(const scenario::Node& root, const std::string& analysis,
                    const std::filesystem::path& folder) {

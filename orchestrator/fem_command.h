@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "orchestrator/verdict/verdict.h"
 #include "protocol/scenario/scenario_file.h"
 
 namespace CLI {
@@ -22,10 +23,14 @@ void add_fem(CLI::App& app, int& exit_code);
 ///   transient, quasi_static
 ///              history: {t_s, displacement_m: {SET: [[x, y, z], …]}}, and by moved set force_N and
 ///              torque_Nm about its frame: what the body exerts there
+///   transient  verdict, as in summary.json
 struct FemOutcome {
   int exit_code = 0;
   nlohmann::ordered_json results;
 };
+
+/// Prints the verdict on a run that reached its end, and adds it to the results.
+void add_verdict(const RunBooks& books, FemOutcome& outcome);
 
 /// Runs one analysis and writes its .vtu files to `folder`/fem. `analysis` empty: the scenario's.
 [[nodiscard]] FemOutcome run_fem(const scenario::Node& root, const std::string& analysis,

@@ -159,6 +159,17 @@ std::string step_plots(const std::vector<ReportedRun>& runs) {
   return svg_document({iterations, defect}, 2);
 }
 
+/// What bounds the run's accuracy, a line each, and the numbers of its books.
+std::string verdict_row(const ordered_json& verdict) {
+  std::string text = "Verdict: " + escaped(verdict.value("status", "")) + ".";
+  for (const ordered_json& cause : verdict.value("causes", ordered_json::array())) {
+    text += fmt::format("<br>{}: {}", escaped(cause.value("text", "")),
+                        escaped(cause.value("remedy", "")));
+  }
+  return fmt::format("<tr><td></td><td class=\"message\" colspan=\"10\">{}<br>{}</td></tr>\n", text,
+                     escaped(verdict.value("numbers", "")));
+}
+
 std::string summary_table(const std::vector<ReportedRun>& runs) {
   std::string html =
       "<table><tr><th>run</th><th>scenario</th><th>mode</th><th>status</th><th>macro steps</th>"
@@ -166,8 +177,10 @@ std::string summary_table(const std::vector<ReportedRun>& runs) {
       "<th>Σ δE (J)</th><th>final state</th></tr>\n";
   for (const ReportedRun& run : runs) {
     const ordered_json& s = run.summary;
-    const auto status = s.value("status", "");
     const ordered_json none = ordered_json::object();
+    const ordered_json verdict = s.value("verdict", none);
+    // Runs of earlier versions have a status alone.
+    const std::string status = verdict.value("status", s.value("status", ""));
     fmt::format_to(std::back_inserter(html),
                    "<tr><td>{}</td><td>{}</td><td>{}</td><td{}>{}</td><td>{}</td><td>{:g}</td>"
                    "<td>{:.3f}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2e}</td><td>{}</td></tr>\n",
@@ -178,6 +191,7 @@ std::string summary_table(const std::vector<ReportedRun>& runs) {
                    s.value("iterations", none).value("mean", 0.0),
                    number_at(s.value("energy_J", none), "interface_defect_sum"),
                    s.value("state_hash", ""));
+    if (verdict.contains("text")) html += verdict_row(verdict);
     std::string message = s.value("message", "");
     for (const std::string& remark : run.remarks) message += (message.empty() ? "" : " ") + remark;
     if (!message.empty()) {

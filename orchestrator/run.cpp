@@ -5,6 +5,8 @@
 #include "orchestrator/interruption.h"
 #include "orchestrator/lcm_run.h"
 #include "orchestrator/local_run.h"
+#include "orchestrator/verdict/run_books.h"
+#include "orchestrator/verdict/verdict.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
@@ -43,6 +45,15 @@ std::string place_in_users_file(const Model& model, const Error& error) {
   return error.what();  // the model is good: the fault lies elsewhere, e.g. in the network
 }
 
+/// What the run says of itself: also of one that was stopped, which is its status alone.
+ordered_json verdict_of(const Model& model, const RunDirectory& directory, Mode mode,
+                        const ordered_json& summary) {
+  if (summary.at("status") != "done") {
+    return {{"status", summary.at("status")}, {"causes", ordered_json::array()}};
+  }
+  return to_json(judge(books_of_run(model, mode == Mode::Monolithic, summary, directory.path())));
+}
+
 /// Names of files may hold bytes that are no UTF-8: replaced, since JSON has no place for them.
 std::string text_of(const ordered_json& json, int indent = -1) {
   return json.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
@@ -60,6 +71,8 @@ RunOutcome outcome_of_failure(const Model& model, Mode mode, int exit_code,
       mode == Mode::Monolithic ? to_string(mode) : to_string(model.coupling.scheme);
   outcome.summary["status"] = signal != 0 ? "interrupted" : "failed";
   outcome.summary["message"] = message;
+  outcome.summary["verdict"] = {{"status", outcome.summary["status"]},
+                                {"causes", ordered_json::array()}};
   return outcome;
 }
 
@@ -102,6 +115,7 @@ RunOutcome run_model(const Model& model, const RunDirectory& directory, const Ru
     recorder.flush();
     outcome = {.exit_code = finished.exit_code, .summary = heading(model, options.mode)};
     outcome.summary.update(ordered_json::parse(finished.summary_json));
+    outcome.summary["verdict"] = verdict_of(model, directory, options.mode, outcome.summary);
   } catch (const Error& error) {
     const std::string text =
         options.mode == Mode::Lcm ? place_in_users_file(model, error) : error.what();

@@ -21,15 +21,16 @@ namespace tandem::orchestrator {
 namespace {
 
 std::string outcome_line(const nlohmann::ordered_json& s) {
+  const bool clean = s.at("verdict").at("causes").empty();
   const std::string state = s.value("state_hash", "");
   return fmt::format(
-      "{} ({}, {}): {}, {} macro steps, {:.2f} iterations per step, {:.3f} s wall for {:.6g} s "
+      "{} ({}, {}): {}{}, {} macro steps, {:.2f} iterations per step, {:.3f} s wall for {:.6g} s "
       "simulated{}",
       s.at("scenario").get<std::string>(), s.at("mode").get<std::string>(),
-      s.at("scheme").get<std::string>(), s.at("status").get<std::string>(),
-      s.at("macro_steps").get<std::int64_t>(), s.at("iterations").at("mean").get<double>(),
-      s.at("wall_s").get<double>(), s.at("simulated_s").get<double>(),
-      state.empty() ? "" : ", state " + state);
+      s.at("scheme").get<std::string>(), s.at("verdict").at("status").get<std::string>(),
+      clean ? "" : " (see the verdict)", s.at("macro_steps").get<std::int64_t>(),
+      s.at("iterations").at("mean").get<double>(), s.at("wall_s").get<double>(),
+      s.at("simulated_s").get<double>(), state.empty() ? "" : ", state " + state);
 }
 
 /// The balance of both sides together, all terms booked.
@@ -120,18 +121,10 @@ struct RunCommand {
     if (s.at("energy_J").contains("balance_error")) {
       std::printf("%s\n", balance_line(s.at("energy_J")).c_str());
     }
-    const auto not_converged = s.value("not_converged_steps", std::int64_t{0});
-    if (not_converged > 0 && s.at("status") != "not_converged") {
-      std::printf(
-          "%lld macro step(s) NOT converged, and accepted as coupling.on_not_converged says\n",
-          static_cast<long long>(not_converged));
-    }
-    const auto beyond = s.value("steps_beyond_tolerance", std::int64_t{0});
-    if (beyond > 0) {
-      std::printf(
-          "%lld of %lld macro step(s) beyond coupling.adaptive.tolerance: they were the shortest. "
-          "Lower coupling.adaptive.min_step_s, or raise the tolerance.\n",
-          static_cast<long long>(beyond), s.at("macro_steps").get<long long>());
+    const auto& verdict = s.at("verdict");
+    if (verdict.contains("text")) {
+      std::printf("verdict: %s\n", verdict.at("text").get<std::string>().c_str());
+      std::printf("  %s\n", verdict.at("numbers").get<std::string>().c_str());
     }
     std::printf("run folder: %s\n", directory.path().c_str());
   }

@@ -25,6 +25,7 @@ tandem_run_test(run_input process/run_input.cpp process)
 tandem_run_test(run_compare process/run_compare.cpp process)
 tandem_run_test(run_control process/run_control.cpp process)
 tandem_run_test(run_log process/run_log.cpp process)
+tandem_run_test(run_verdict process/run_verdict.cpp process)
 tandem_run_test(run_strangers process/run_strangers.cpp process)
 tandem_run_test(ancf_same_bits process/ancf_same_bits.cpp "process;equivalence")
 # The longest test: begins first.

@@ -23,6 +23,9 @@ constexpr double kMostCreated = 100.0;
 /// size.
 constexpr double kStill = 1e-9;
 
+/// Times at which a run looks into the sides' books. Each is an exchange, which no step pays for.
+constexpr std::int64_t kLooks = 64;
+
 /// The ledger of one macro step from what both sides' meters booked and the wall time of its parts.
 Ledger step_ledger(const SideMeter& mbs, const SideMeter& fem, double advance_s) {
   Ledger ledger;
@@ -89,7 +92,7 @@ class CoupledRun {
          state_.time < params_.run.duration && report_.status == RunStatus::Done; ++n) {
       make_step(n);
     }
-    report_.wall_s = now_s() - start_s;
+    report_.wall_s = now_s() - start_s - looking_s_;
     report_.ledger.other_s = report_.wall_s - report_.ledger.named_s();
     finish();
     return std::move(report_);
@@ -214,8 +217,9 @@ class CoupledRun {
                                     cause_of(*divergence, params_.coupling, params_.scheme_name));
       return;
     }
-    if (end.outcome == Outcome::NotConverged &&
-        params_.coupling.on_not_converged == OnNotConverged::Stop) {
+    if (end.outcome != Outcome::NotConverged) return;
+    if (report_.not_converged_message.empty()) report_.not_converged_message = end.message;
+    if (params_.coupling.on_not_converged == OnNotConverged::Stop) {
       stop(RunStatus::NotConverged, located("not converged") + end.message);
     }
   }
@@ -258,8 +262,27 @@ class CoupledRun {
     if (state_.history.size() > InterfaceState::kHistory) state_.history.pop_back();
     state_.time = t_end;
     book_moment(end);
+    report_.book_turn(state_.time - state_.history.front().time, state_.motions, end.motions);
     state_.motions = end.motions;
     state_.wrenches = end.wrenches;
+    look();
+  }
+
+  /// Books the sides' energies, now and then: their largest ones are what the errors are held
+  /// against.
+  void look() {
+    if (state_.time * kLooks < params_.run.duration * looks_) return;
+    while (state_.time * kLooks >= params_.run.duration * looks_) ++looks_;
+    const double start_s = now_s();
+    SideEnergies energy;
+    observe(energy);
+    book_range(energy);
+    looking_s_ += now_s() - start_s;
+  }
+
+  void book_range(const SideEnergies& now) {
+    report_.energy_range.book(report_.energy_start.sum(), now.sum(),
+                              params_.scheme_name == to_string(SchemeKind::Tlm));
   }
 
   /// The model's scale of energy: its wrench over its size.
@@ -321,6 +344,8 @@ class CoupledRun {
       roll_back(mbs_, fem_);
     }
     observe(report_.energy_end);
+    book_range(report_.energy_end);
+    report_.still_J = kStill * largest_moment_J_;
     if (report_.status == RunStatus::Done) judge_energy();
     report_.motions = state_.motions;
     report_.wrenches = state_.wrenches;
@@ -342,6 +367,8 @@ class CoupledRun {
   RunReport report_;
   double largest_moment_J_ = 0.0;  ///< of all accepted macro steps
   double last_record_s_ = 0.0, last_wait_s_ = 0.0;
+  std::int64_t looks_ = 1;  ///< the next one is due at looks_/kLooks of the run
+  double looking_s_ = 0.0;  ///< time that looks took
 };
 
 }  // namespace

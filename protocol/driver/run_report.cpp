@@ -80,6 +80,16 @@ ordered_json energy_json(const RunReport& r) {
   json["damping"] = b.damping_loss_J - a.damping_loss_J;
   json["numerical"] = b.numerical_loss_J - a.numerical_loss_J;
   json["balance_error"] = balance_error_J(a, b);
+  const EnergyRange& range = r.energy_range;
+  json["held_max"] = range.held_J;
+  json["external_work_max"] = range.external_work_J;
+  json["potential_change_max"] = range.potential_change_J;
+  json["given"] = range.given_J();
+  json["lost_by_steps"] = lost_by_steps_J(a, b, r.parasitic_mass_kg.has_value());
+  json["lost_by_steps_max"] = range.lost_J;
+  json["made_by_steps_max"] = range.made_J;
+  json["balance_error_max"] = range.balance_error_J;
+  json["still"] = r.still_J;
   json["mbs"] = book_json(r.energy_start.mbs, r.energy_end.mbs);
   json["fem"] = book_json(r.energy_start.fem, r.energy_end.fem);
   return json;
@@ -94,6 +104,16 @@ void RunReport::book(const wire::StepRecord& step) {
   iterations_max = std::max<std::int64_t>(iterations_max, step.iterations);
   not_converged_steps += step.outcome == Outcome::NotConverged ? 1 : 0;
   exchange_us.push_back(1e6 * transfer_s(step.ledger) / std::max(1, step.iterations));
+}
+
+void RunReport::book_turn(SimTime H, const MotionSet& begin, const MotionSet& end) {
+  largest_step = std::max(largest_step, H);
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    const double turn_rad = to_seconds(H) * std::max(begin[i].w_WP.norm(), end[i].w_WP.norm());
+    if (!(turn_rad > largest_turn_rad)) continue;
+    largest_turn_rad = turn_rad;
+    turning_port = port_names[i];
+  }
 }
 
 void RunReport::book_interface(double defect_J, double exchanged_J) {
@@ -137,6 +157,9 @@ ordered_json to_json(const RunReport& r) {
   if (!r.broken_off) {
     json["rejected_steps"] = r.rejected_steps;
     json["steps_beyond_tolerance"] = r.steps_beyond_tolerance;
+    json["not_converged_message"] = r.not_converged_message;
+    json["largest_step_s"] = to_seconds(r.largest_step);
+    json["largest_turn"] = {{"rad", r.largest_turn_rad}, {"port", r.turning_port}};
   }
   if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
   json["ledger_s"] = ledger_json(r.ledger);

@@ -10,6 +10,7 @@
 #include "protocol/contract/port.h"
 #include "protocol/contract/sim_time.h"
 #include "protocol/contract/subsystem.h"
+#include "protocol/driver/energy_range.h"
 #include "protocol/wire/journal.h"
 
 namespace tandem {
@@ -33,6 +34,7 @@ struct RunReport {
   std::int64_t iterations_total = 0;
   std::int64_t iterations_max = 0;
   std::int64_t not_converged_steps = 0;
+  std::string not_converged_message;        ///< of the first of them
   std::int64_t rejected_steps = 0;          ///< macro steps made again with a shorter one
   std::int64_t steps_beyond_tolerance = 0;  ///< adaptive ones that could not be made shorter
   std::optional<double> parasitic_mass_kg;  ///< of the line at each port, with tlm (largest)
@@ -42,6 +44,11 @@ struct RunReport {
   double interface_defect_max_J = 0.0;  ///< largest |δE| of a macro step
   double interface_defect_sum_J = 0.0;  ///< Σ δE: net energy created by the interface
   double exchanged_work_J = 0.0;        ///< Σ H |λ·V|: what passed the interface, either way
+  EnergyRange energy_range;             ///< at some times of the run
+  double still_J = 0.0;                 ///< energies below this are round-off of a model at rest
+  double largest_turn_rad = 0.0;        ///< that a port has made in a macro step
+  std::string turning_port;             ///< that port
+  SimTime largest_step{};               ///< H
   SideEnergies energy_start;
   SideEnergies energy_end;       ///< of the last accepted state
   std::uint64_t state_hash = 0;  ///< likewise
@@ -52,6 +59,9 @@ struct RunReport {
   /// Books what a macro step took, accepted or not: iterations and transfer time. Ledger and
   /// accepted state are the caller's to add.
   void book(const wire::StepRecord& step);
+
+  /// Books that H was taken and how far the ports have turned in it, by their rates at its ends.
+  void book_turn(SimTime H, const MotionSet& begin, const MotionSet& end);
 
   /// Books what the interface did in an accepted macro step: δE and H |λ·V|.
   void book_interface(double defect_J, double exchanged_J);

@@ -238,7 +238,7 @@ TEST(Check, WarnsOfASpringThatTheStepCannotFollow) {
   check.insert(check.end(), {"--set", "mbs.micro_step_s=0.0002"});
   const Ended finer = tandem_command(check);
   EXPECT_EQ(finer.code, 0) << finer.output;
-  EXPECT_EQ(finer.output.find("warning"), std::string::npos) << finer.output;
+  EXPECT_EQ(finer.output.find("warning: spring"), std::string::npos) << finer.output;
 
   std::vector<std::string> more = {"--transport", "inproc", "--set"};
   more.push_back(spring);
@@ -252,7 +252,7 @@ TEST(Check, WarnsOfAPinThatTheStepLeavesOffItsCircle) {
   const std::vector<std::string> check = {"check", kExamples + "slider_crank/scenario.yaml"};
   const Ended fine = tandem_command(check);
   EXPECT_EQ(fine.code, 0) << fine.output;
-  EXPECT_EQ(fine.output.find("warning"), std::string::npos) << fine.output;
+  EXPECT_EQ(fine.output.find("warning: joint"), std::string::npos) << fine.output;
   std::vector<std::string> coarse = check;
   coarse.insert(coarse.end(), {"--set", "run.macro_step_s=0.001"});
   const Ended warned = tandem_command(coarse);
