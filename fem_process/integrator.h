@@ -39,10 +39,9 @@ class Integrator {
   [[nodiscard]] virtual bool keeps_history() const = 0;
   /// Whether reactions act constantly over the step, so that h times the reaction is the impulse on
   /// the ports. Several such steps answer a macro step with the mean of their wrenches, which
-  /// leaves the momentum as it is, and take their port velocities linear within it. The arms of
-  /// such forces stand as in the middle of the step, about the ports' origins at the beginning of
-  /// the macro step; those of forces at the end of the step stand, and are taken about the origins,
-  /// there.
+  /// leaves the momentum as it is, and take their port velocities linear within it. Their torques
+  /// are about the ports' origins at the beginning of the macro step and close the angular momentum
+  /// (AngularBalance); those of forces at the end of the step are about the origins there.
   [[nodiscard]] virtual bool constant_forces() const { return false; }
   /// Whether masses and velocities enter the balance; false: statics.
   [[nodiscard]] virtual bool inertia() const { return true; }
@@ -52,13 +51,6 @@ class Integrator {
 /// First order, damps a mode of angular frequency ω by about ω² h/2 per second. Prescribed nodes
 /// enter with the displacement h v⁺ [Marinkovic & Zehn 2012]. MiddleCarry takes the turning of the
 /// body out of it.
-/// Angular momentum: with x_m = (x + x⁺)/2,
-///   x⁺ × M v⁺ − x × M v = x_m × M (v⁺ − v) + ½ (x⁺ − x) × M (v + v⁺),
-/// and the last term vanishes where nodes move along their mean velocity, as they do in turning. So
-/// forces on the ports have their arms in the middle of the step. The multibody side moves its
-/// bodies by p⁺ = p + h v⁺, for which p⁺ × m v⁺ − p × m v = p × m (v⁺ − v): it takes the moment of
-/// the same force about the origin of the port at the beginning, to which the torque therefore
-/// refers.
 class BackwardEuler final : public Integrator {
  public:
   [[nodiscard]] StepMap map(const State& state, double h_s) const override;

@@ -72,11 +72,6 @@ void MiddleCarry::conclude(const State& begin, const Carried& carried, Made made
                            State& after) const {
   after.port_motions = made.end;
   const double h = carried.h_s;
-  after.port_rates.a_mean.resize(3 * static_cast<Eigen::Index>(made.end.size()));
-  for (std::size_t p = 0; p < made.end.size(); ++p) {
-    after.port_rates.a_mean.segment<3>(3 * static_cast<Eigen::Index>(p)) =
-        (made.end[p].v_WP - carried.ports[p].v_WP) / h;
-  }
   Eigen::VectorXd x = made.x;
   if (model_.integrator->inertia()) {
     for (std::size_t s = 0; s < parts_.size(); ++s) {

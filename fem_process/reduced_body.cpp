@@ -41,12 +41,46 @@ WrenchSet ReducedBody::initialize(const MotionSet& motions) {
   return wrenches;
 }
 
+namespace {
+
+void take_about(const MotionSet& from, const MotionSet& to, WrenchSet& wrenches) {
+  for (std::size_t p = 0; p < wrenches.size(); ++p) {
+    wrenches[p].t_P_W += (from[p].p_WP - to[p].p_WP).cross(wrenches[p].f_P_W);
+  }
+}
+
+/// The derivative of what take_about() makes of a micro step's wrenches, which begins at `s`.
+InterfaceJacobian about_begin(const StepRequest<MotionSet>& request, double s, VelocityRule rule,
+                              const WrenchSet& wrenches, InterfaceJacobian jacobian) {
+  const MotionSet from = interpolate(request.input, s, request.step, rule);
+  const auto derivative = interpolation_derivative(request.input, s, request.step, rule);
+  for (std::size_t p = 0; p < wrenches.size(); ++p) {
+    const auto row = 6 * static_cast<Eigen::Index>(p);
+    const auto column = 12 * static_cast<Eigen::Index>(p);
+    const Eigen::Vector3d arm = from[p].p_WP - request.input.begin[p].p_WP;
+    for (Eigen::Index c = 0; c < jacobian.cols(); ++c) {
+      jacobian.col(c).segment<3>(row + 3) +=
+          arm.cross(Eigen::Vector3d(jacobian.col(c).segment<3>(row)));
+    }
+    for (Eigen::Index c = 0; c < 12; ++c) {
+      jacobian.col(column + c).segment<3>(row + 3) +=
+          Eigen::Vector3d(derivative[p].col(c).head<3>()).cross(wrenches[p].f_P_W);
+    }
+  }
+  return jacobian;
+}
+
+}  // namespace
+
 void ReducedBody::run(const StepRequest<MotionSet>& request, StepResult<WrenchSet>& result) {
   const SimTime h = model_.params.follows_macro_step ? request.step : model_.params.micro_step;
   const std::int64_t n = request.step / h;
   const VelocityRule rule = velocity_rule(*model_.integrator);
   MacroStepWrench answer(*model_.integrator, n);
   ReducedTangent tangent(*reduced_);
+  // Torques of forces that act constantly are about the ports' origins at the beginning of the
+  // macro step, those of a micro step about where they are at its own.
+  const bool moves = model_.integrator->constant_forces();
   ReducedState state = state_;
   for (std::int64_t j = 1; j <= n; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
@@ -57,9 +91,13 @@ void ReducedBody::run(const StepRequest<MotionSet>& request, StepResult<WrenchSe
       return;
     }
     if (request.linearize) {
-      tangent.advance(interpolation_derivative(request.input, s, request.step, rule), step);
-      answer.add(tangent.jacobian());
+      tangent.advance(state, interpolation_derivative(request.input, s, request.step, rule), step);
+      answer.add(j > 1 && moves
+                     ? about_begin(request, static_cast<double>(j - 1) / static_cast<double>(n),
+                                   rule, step.wrenches, tangent.jacobian())
+                     : tangent.jacobian());
     }
+    if (j > 1 && moves) take_about(state.ports, request.input.begin, step.wrenches);
     state = std::move(step.state);
     answer.add(step.wrenches);
   }

@@ -72,6 +72,15 @@ void keep(const Integrator& integrator, const State& begin, Eigen::VectorXd x, E
   after.v = std::move(v);
 }
 
+void keep_turning(const Integrator& integrator, const ReducedTurn& turn, Eigen::VectorXd x,
+                  Eigen::VectorXd v, const FieldMotion& A, double h_s, State& after) {
+  const FieldMotion beyond = A - turn.carried;
+  keep(integrator, turn.fields, std::move(x), std::move(v), flat(beyond), h_s, after);
+  if (!integrator.keeps_history()) return;
+  after.a += flat(turn.carried);
+  if (after.acceleration.size() > 0) after.acceleration += flat(turn.carried);
+}
+
 FieldMotion acceleration(const ReducedModel& reduced, const StepMap& map, const FieldMotion& V) {
   if (!reduced.model().integrator->inertia()) return FieldMotion::Zero(3, V.cols());
   const Eigen::Index first = first_modal_field(reduced);
@@ -226,8 +235,8 @@ void ReducedStep::solve(const ReducedState& begin, const FieldMotion& external,
   const Integrator& integrator = *reduced_.model().integrator;
   keep(integrator, begin.modal, eta, eta_dot, map.a_hat + map.c_a * eta_dot, result.h_s,
        result.state.modal);
-  keep(integrator, begin.fields, flat(result.Y), flat(result.V),
-       flat(acceleration(reduced_, result.field_map, result.V)), result.h_s, result.state.fields);
+  keep_turning(integrator, result.turn, flat(result.Y), flat(result.V),
+               acceleration(reduced_, result.field_map, result.V), result.h_s, result.state.fields);
 }
 
 void ReducedStep::react(Result& result) const {
@@ -254,10 +263,12 @@ ReducedStep::Result ReducedStep::advance(const ReducedState& begin, const Motion
   result.report = check_turning(model, result.end);
   if (result.report.outcome == Outcome::Failed) return result;
   result.modal_map = model.integrator->map(begin.modal, result.h_s);
-  result.field_map = model.integrator->map(begin.fields, result.h_s);
   result.state.time = begin.time + h;
   result.state.ports = ports;
   result.Y_begin = Eigen::Map<const FieldMotion>(begin.fields.x.data(), 3, reduced_.fields());
+  result.turn =
+      reduced_turn(*model.integrator, begin.fields, result.Y_begin, result.begin.w_WF, result.h_s);
+  result.field_map = result.turn.map;
   const double t_s = to_seconds(result.state.time);
   const FieldMotion external = reduced_.external_forces(t_s);
   solve(begin, external, result);

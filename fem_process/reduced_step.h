@@ -6,6 +6,7 @@
 #include "fem_process/integrator.h"
 #include "fem_process/linear_solver.h"
 #include "fem_process/reduced_model.h"
+#include "fem_process/reduced_turn.h"
 #include "fem_process/state.h"
 #include "protocol/contract/port.h"
 
@@ -46,6 +47,7 @@ class ReducedStep {
     WrenchSet wrenches;
     FloatingFrame::Placement begin, end;
     StepMap modal_map, field_map;
+    ReducedTurn turn;  ///< field_map is its map
     FieldMotion Y_begin, Y, V;
     FieldMotion balance;          ///< i + α M v − f_ext on the fields (N)
     FieldMotion momentum;         ///< M v (kg m/s)
@@ -74,6 +76,9 @@ class ReducedStep {
 
 /// Rayleigh damping; statics passes it over.
 [[nodiscard]] Damping damping_of(const Model& model);
+/// The history of the fields after a step with the accelerations A: that of A beyond `carried`.
+void keep_turning(const Integrator& integrator, const ReducedTurn& turn, Eigen::VectorXd x,
+                  Eigen::VectorXd v, const FieldMotion& A, double h_s, State& after);
 /// Position, velocity and what the integrator remembers of the accelerations; also of derivatives.
 void keep(const Integrator& integrator, const State& begin, Eigen::VectorXd x, Eigen::VectorXd v,
           const Eigen::VectorXd& a, double h_s, State& after);

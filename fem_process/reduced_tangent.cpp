@@ -32,8 +32,9 @@ Eigen::VectorXd placement_change(const ReducedModel& reduced, const FieldMotion&
 }  // namespace
 
 /// Derivatives before the solve: modal velocities unchanged.
-void ReducedTangent::place(const MotionDerivative& motions, const ReducedStep::Result& result,
-                           Eigen::Index column, Direction& direction) const {
+void ReducedTangent::place(const ReducedState& before, const MotionDerivative& motions,
+                           const ReducedStep::Result& result, Eigen::Index column,
+                           Direction& direction) const {
   const FloatingFrame& frame = reduced_.frame();
   const Integrator& integrator = *reduced_.model().integrator;
   const auto parts = static_cast<Eigen::Index>(frame.parts());
@@ -50,7 +51,16 @@ void ReducedTangent::place(const MotionDerivative& motions, const ReducedStep::R
   direction.at_end = frame.change(result.end, change);
   const Eigen::Index m = reduced_.modes();
   direction.modal_map = integrator.map(direction.begin.modal, result.h_s);
-  direction.field_map = integrator.map(direction.begin.fields, result.h_s);
+  if (started && integrator.keeps_history()) {
+    direction.turn = reduced_turn_change(
+        integrator, before.fields, result.Y_begin, result.begin.w_WF, result.h_s,
+        {direction.begin.fields, direction.Y, direction.at_begin.w_WF});
+  } else {
+    direction.turn = {.fields = direction.begin.fields,
+                      .map = integrator.map(direction.begin.fields, result.h_s),
+                      .carried = FieldMotion::Zero(3, reduced_.fields())};
+  }
+  direction.field_map = direction.turn.map;
   direction.eta_hat = direction.modal_map.x_tilde + direction.modal_map.d_hat;
   const auto& at = result.end;
   const auto& to = direction.at_end;
@@ -101,13 +111,14 @@ void ReducedTangent::finish(const ReducedStep::Result& result, FieldMotion inert
   const auto& map = result.modal_map;
   keep(integrator, direction.begin.modal, eta, eta_dot,
        direction.modal_map.a_hat + map.c_a * eta_dot, result.h_s, after.modal);
-  keep(integrator, direction.begin.fields, flat(direction.Y), flat(direction.V),
-       flat(acceleration_change(reduced_, result.field_map, direction.field_map, direction.V)),
-       result.h_s, after.fields);
+  keep_turning(integrator, direction.turn, flat(direction.Y), flat(direction.V),
+               acceleration_change(reduced_, result.field_map, direction.field_map, direction.V),
+               result.h_s, after.fields);
   direction.begin = std::move(after);
 }
 
-void ReducedTangent::advance(const MotionDerivative& motions, const ReducedStep::Result& result) {
+void ReducedTangent::advance(const ReducedState& before, const MotionDerivative& motions,
+                             const ReducedStep::Result& result) {
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(result.state.ports.size());
   const Eigen::Index m = reduced_.modes();
   const Eigen::Index K = reduced_.fields();
@@ -118,7 +129,7 @@ void ReducedTangent::advance(const MotionDerivative& motions, const ReducedStep:
   Eigen::MatrixXd stacked(6 * columns, K);
   for (Eigen::Index c = 0; c < columns; ++c) {
     Direction& direction = directions_[static_cast<std::size_t>(c)];
-    place(motions, result, c, direction);
+    place(before, motions, result, c, direction);
     stacked.middleRows<3>(6 * c) =
         acceleration_change(reduced_, result.field_map, direction.field_map, direction.V);
     stacked.middleRows<3>(6 * c + 3) = direction.V;

@@ -14,9 +14,10 @@ class ReducedTangent {
   /// At the start of a macro step the state does not depend on its input. The reference is kept.
   explicit ReducedTangent(const ReducedModel& reduced) : reduced_(reduced) {}
 
-  /// Carries the derivatives through the micro step that `result` came from; `motions` derives its
-  /// end from the macro step's.
-  void advance(const MotionDerivative& motions, const ReducedStep::Result& result);
+  /// Carries the derivatives through the micro step from `before` that `result` came from;
+  /// `motions` derives its end from the macro step's.
+  void advance(const ReducedState& before, const MotionDerivative& motions,
+               const ReducedStep::Result& result);
 
   /// 6P × 12P, of the wrenches after the last micro step.
   [[nodiscard]] const InterfaceJacobian& jacobian() const { return jacobian_; }
@@ -28,11 +29,12 @@ class ReducedTangent {
     FloatingFrame::Change at_begin;  ///< of the placement there
     FloatingFrame::Change at_end;
     StepMap modal_map, field_map;  ///< derivatives of the affine maps
+    ReducedTurn turn;              ///< of what the fields start from
     Eigen::VectorXd eta_hat;
     FieldMotion Y, V;
   };
-  void place(const MotionDerivative& motions, const ReducedStep::Result& result,
-             Eigen::Index column, Direction& direction) const;
+  void place(const ReducedState& before, const MotionDerivative& motions,
+             const ReducedStep::Result& result, Eigen::Index column, Direction& direction) const;
   void finish(const ReducedStep::Result& result, FieldMotion inertia, const FieldMotion& momentum,
               const Eigen::VectorXd& eta_dot, Eigen::Index column, Direction& direction);
 

@@ -29,6 +29,14 @@ bool all_finite(const BodyState& body) {
 /// A number whose square comes near to overflowing, which ODE ends by an assertion.
 constexpr double kMost = 1e100;
 
+/// The torques of a macro step are about the ports' origins at its beginning: about where they are
+/// now, they are others.
+void take_about(const MotionSet& begin, const MotionSet& now, WrenchSet& wrenches) {
+  for (std::size_t p = 0; p < wrenches.size(); ++p) {
+    wrenches[p].t_P_W += (begin[p].p_WP - now[p].p_WP).cross(wrenches[p].f_P_W);
+  }
+}
+
 bool bounded(const WrenchSet& wrenches) {
   return std::all_of(wrenches.begin(), wrenches.end(), [](const Wrench& wrench) {
     return wrench.f_P_W.norm() <= kMost && wrench.t_P_W.norm() <= kMost;  // false for NaN, too
@@ -180,10 +188,12 @@ std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_ste
   // Semi-implicit Euler takes the wrench as the mean over the macro step, which passes on the
   // impulse that the flexible side has booked; the Verlet step as linear between both ends.
   const bool constant = params_.integrator != IntegratorKind::Verlet;
+  const MotionSet about = constant && n > 1 ? motions_of(state) : MotionSet{};
   WrenchSet wrenches = input.begin;
   for (std::int64_t j = 1; j <= n; ++j) {
     const double s = static_cast<double>(j) / static_cast<double>(n);
     WrenchSet next = constant ? input.end : interpolate(input, s, macro_step);
+    if (constant && j > 1) take_about(about, motions_of(state), next);
     if (auto failure = integrate_micro_step(state, h, {wrenches, next}, booking)) return failure;
     wrenches = std::move(next);
   }
