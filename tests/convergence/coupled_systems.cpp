@@ -77,11 +77,8 @@ TEST_P(CoupledSystem, HasOrderOneWithTheDefaultIntegrators) {
   expect_order(1, GetParam(), {}, 1.6e-4);
 }
 
-// three_ports is damped, and its reference damps the velocities of a rigid motion with β K_R, too,
-// which is no motion's damping: a difference of order 0, below what the first-order pair resolves.
 // Without cfm: it yields to joint forces of 100 N by 1e-8 m/s, which is of order 0.
 TEST_P(CoupledSystem, HasOrderTwoWithTheSecondOrderPair) {
-  if (std::string(GetParam()) == "three_ports") GTEST_SKIP() << "other damping in its reference";
   expect_order(2, GetParam(),
                {{"mbs.integrator", "verlet"},
                 {"mbs.cfm", "0"},
