@@ -22,10 +22,10 @@ AngularBalance::AngularBalance(const Model& model, const Carry& carry, const Ste
       step_(step),
       h_s_(step.carried.h_s),
       rotates_(carry.rotates()),
-      p_(multiply_scalar(model.pattern(), model.mass, step.begin.v)),
-      p_end_(multiply_scalar(model.pattern(), model.mass, step.after.v)),
-      internal_((p_end_ - p_) / h_s_ - step.external - step.react),
       arm_(step.carried.begin.x) {
+  const Eigen::VectorXd p = multiply_scalar(model.pattern(), model.mass, step.begin.v);
+  const Eigen::VectorXd p_end = multiply_scalar(model.pattern(), model.mass, step.after.v);
+  internal_ = (p_end - p) / h_s_ - step.external - step.react;
   if (rotates_) {
     out_ = step.after.x - step.carried.begin.x;
     back_ = step.begin.x - step.carried.begin.x;
@@ -52,9 +52,25 @@ AngularBalance::AngularBalance(const Model& model, const Carry& carry, const Ste
       shares_.push_back({.port = static_cast<std::size_t>(part.holders[k]),
                          .part = s,
                          .holder = holder,
-                         .mass = rotates_ && !grounded ? held(holder) / mass : 0.0});
+                         .mass = rotates_ && !grounded ? held(holder) / mass : 0.0,
+                         .p = shared(part, holder, step.begin.v, p),
+                         .p_end = shared(part, holder, step.after.v, p_end)});
     }
   }
+}
+
+Eigen::VectorXd AngularBalance::shared(const BodyPart& part, Eigen::Index holder,
+                                       const Eigen::VectorXd& v, const Eigen::VectorXd& Mv) const {
+  if (part.shares.cols() == 1) return Mv;
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(v.size());
+  Eigen::VectorXd p = own;
+  for (std::size_t i = 0; i < part.nodes.size(); ++i) {
+    const Eigen::Index row = 3 * part.nodes[i];
+    const double phi = part.shares(static_cast<Eigen::Index>(i), holder);
+    own.segment<3>(row) = 0.5 * phi * v.segment<3>(row);
+    p.segment<3>(row) = 0.5 * phi * Mv.segment<3>(row);
+  }
+  return p + multiply_scalar(model_.pattern(), model_.mass, own);
 }
 
 /// Calls work(row of the node, φ).
@@ -71,8 +87,8 @@ void AngularBalance::add(WrenchSet& wrenches) const {
   for (const Share& share : shares_) {
     Eigen::Vector3d turning = Eigen::Vector3d::Zero();
     Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    for_nodes(share, [&](Eigen::Index row, double phi) {
-      turning += phi * (at(out_, row).cross(at(p_end_, row)) - at(back_, row).cross(at(p_, row)));
+    for_nodes(share, [&](Eigen::Index row, double) {
+      turning += at(out_, row).cross(at(share.p_end, row)) - at(back_, row).cross(at(share.p, row));
       moment += at(arm_, row).cross(at(internal_, row));
     });
     wrenches[share.port].t_P_W -= turning / h_s_ + share.mass * moment;
@@ -81,7 +97,7 @@ void AngularBalance::add(WrenchSet& wrenches) const {
 
 void AngularBalance::add_change(const Change& change, WrenchSet& wrenches) const {
   const bool started = change.x_begin.size() > 0;
-  Eigen::VectorXd dp_end = multiply_scalar(model_.pattern(), model_.mass, change.v_end);
+  const Eigen::VectorXd dp_end = multiply_scalar(model_.pattern(), model_.mass, change.v_end);
   Eigen::VectorXd d_out = change.x_end;
   Eigen::VectorXd d_force = dp_end / h_s_ - change.react;
   Eigen::VectorXd dp;
@@ -94,19 +110,19 @@ void AngularBalance::add_change(const Change& change, WrenchSet& wrenches) const
     d_back = rotates_ ? Eigen::VectorXd(change.x_begin - change.x_middle)
                       : Eigen::VectorXd::Zero(d_out.size());
   }
-  if (change.dragged.size() > 0) {
-    d_force += model_.params.damping.alpha_per_s *
-               multiply_scalar(model_.pattern(), model_.mass, change.dragged);
-  }
+  if (change.damping.size() > 0) d_force += change.damping;
   for (const Share& share : shares_) {
+    const BodyPart& part = carry_.parts()[share.part];
+    const Eigen::VectorXd own_end = shared(part, share.holder, change.v_end, dp_end);
+    Eigen::VectorXd own;
+    if (started) own = shared(part, share.holder, change.v_begin, dp);
     Eigen::Vector3d turning = Eigen::Vector3d::Zero();
     Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    for_nodes(share, [&](Eigen::Index row, double phi) {
-      turning +=
-          phi * (at(d_out, row).cross(at(p_end_, row)) + at(out_, row).cross(at(dp_end, row)));
+    for_nodes(share, [&](Eigen::Index row, double) {
+      turning += at(d_out, row).cross(at(share.p_end, row)) + at(out_, row).cross(at(own_end, row));
       moment += at(arm_, row).cross(at(d_force, row));
       if (!started) return;
-      turning -= phi * (at(d_back, row).cross(at(p_, row)) + at(back_, row).cross(at(dp, row)));
+      turning -= at(d_back, row).cross(at(share.p, row)) + at(back_, row).cross(at(own, row));
       // The centre's own change meets Σ internal = 0.
       moment += at(change.x_middle, row).cross(at(internal_, row));
     });
@@ -120,43 +136,46 @@ AngularBalance::Rows AngularBalance::rows() const {
   for (std::size_t k = 0; k < model_.free.size(); ++k) {
     free[static_cast<std::size_t>(model_.free[k])] = static_cast<int>(k);
   }
-  Rows rows{Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(ports),
-                                  3 * static_cast<Eigen::Index>(model_.free.size())),
-            Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(ports),
-                                  6 * static_cast<Eigen::Index>(ports)),
-            Eigen::MatrixXd::Zero(out_.size(), static_cast<Eigen::Index>(ports)),
-            Eigen::MatrixXd::Zero(out_.size() / 3, static_cast<Eigen::Index>(ports)),
-            Eigen::VectorXd::Zero(static_cast<Eigen::Index>(ports))};
+  const auto count = static_cast<Eigen::Index>(ports);
+  Rows rows;
+  rows.free.setZero(3 * count, 3 * static_cast<Eigen::Index>(model_.free.size()));
+  rows.ports.setZero(3 * count, 6 * count);
+  rows.arms.setZero(out_.size(), count);
+  rows.momenta.setZero(out_.size(), count);
+  rows.mass.setZero(count);
+  rows.part_of_node.resize(free.size());
+  rows.part_of_port.resize(ports);
+  for (std::size_t s = 0; s < carry_.parts().size(); ++s) {
+    for (int node : carry_.parts()[s].nodes) rows.part_of_node[static_cast<std::size_t>(node)] = s;
+  }
   for (const Share& share : shares_) {
     const BodyPart& part = carry_.parts()[share.part];
     const Eigen::Matrix3d half = rotates_
                                      ? Eigen::Matrix3d(h_s_ * step_.carried.turns[share.part].half)
                                      : Eigen::Matrix3d(h_s_ * Eigen::Matrix3d::Identity());
-    const auto first = 3 * static_cast<Eigen::Index>(share.port);
-    Eigen::VectorXd weighted = Eigen::VectorXd::Zero(out_.size());
-    for_nodes(share, [&](Eigen::Index row, double phi) {
-      weighted.segment<3>(row) = phi * at(out_, row) + share.mass * at(arm_, row);
-    });
-    const Eigen::VectorXd arms = multiply_scalar(model_.pattern(), model_.mass, weighted);
-    rows.arms.col(first / 3) = arms;
-    rows.mass(first / 3) = share.mass;
+    const auto port = static_cast<Eigen::Index>(share.port);
+    // Σ out × (φ M δv + M φ δv)/2 + μ Σ arm × M δv = Σ (M(…)) × δv, M being symmetric.
+    const Eigen::VectorXd M_out = multiply_scalar(model_.pattern(), model_.mass, out_);
+    const Eigen::VectorXd M_arm = multiply_scalar(model_.pattern(), model_.mass, arm_);
+    rows.arms.col(port) = shared(part, share.holder, out_, M_out) + share.mass * M_arm;
+    rows.momenta.col(port) = share.p_end;
+    rows.mass(port) = share.mass;
+    rows.part_of_port[share.port] = share.part;
     Eigen::Index i = 0;
-    for_nodes(share, [&](Eigen::Index row, double phi) {
+    for_nodes(share, [&](Eigen::Index row, double) {
       const Eigen::Index own = i++;
-      rows.phi(row / 3, first / 3) = phi;
       const int node = free[static_cast<std::size_t>(row / 3)];
       if (node < 0) return;
-      const Eigen::Matrix3d momentum = cross_of(at(p_end_, row)) / h_s_;
-      Eigen::Matrix3d of_v = -cross_of(at(arms, row)) / h_s_;
-      if (rotates_) of_v += phi * momentum * half;
-      rows.free.block<3, 3>(first, 3 * node) = of_v;
+      const Eigen::Matrix3d momentum = cross_of(at(share.p_end, row)) / h_s_;
+      Eigen::Matrix3d of_v = -cross_of(Eigen::Vector3d(rows.arms.col(port).segment<3>(row))) / h_s_;
+      if (rotates_) of_v += momentum * half;
+      rows.free.block<3, 3>(3 * port, 3 * node) = of_v;
       for (std::size_t l = 0; l < part.holders.size(); ++l) {
         if (part.holders[l] == BodyPart::kGround) continue;
         const Eigen::Index column = 6 * static_cast<Eigen::Index>(part.holders[l]);
-        const Eigen::Matrix3d of_p =
-            phi * part.shares(own, static_cast<Eigen::Index>(l)) * momentum;
-        rows.ports.block<3, 3>(first, column) += of_p;
-        rows.ports.block<3, 3>(first, column + 3) -= of_p * half;
+        const Eigen::Matrix3d of_p = part.shares(own, static_cast<Eigen::Index>(l)) * momentum;
+        rows.ports.block<3, 3>(3 * port, column) += of_p;
+        rows.ports.block<3, 3>(3 * port, column + 3) -= of_p * half;
       }
     });
   }
@@ -165,11 +184,15 @@ AngularBalance::Rows AngularBalance::rows() const {
 
 Eigen::Vector3d AngularBalance::held(const Rows& rows, std::size_t k, int node,
                                      const Held& change) const {
+  if (rows.part_of_port[k] != rows.part_of_node[static_cast<std::size_t>(node)]) {
+    return Eigen::Vector3d::Zero();
+  }
   const auto port = static_cast<Eigen::Index>(k);
   const Eigen::Index row = 3 * node;
   const Eigen::Vector3d arm = rows.arms.col(port).segment<3>(row);
+  const Eigen::Vector3d momentum = rows.momenta.col(port).segment<3>(row);
   const Eigen::Vector3d moved = rotates_ ? change.x : Eigen::Vector3d(change.x - h_s_ * change.v);
-  return (rows.phi(node, port) * at(p_end_, row).cross(moved) - arm.cross(change.v)) / h_s_ +
+  return (momentum.cross(moved) - arm.cross(change.v)) / h_s_ +
          rows.mass(port) * at(arm_, row).cross(change.r);
 }
 

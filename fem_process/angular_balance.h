@@ -12,25 +12,26 @@
 namespace tandem::fem {
 
 /// What the torques of a backward Euler step lack of the body's angular momentum. With x_m = x̃, the
-/// nodes turned by half with their part about its centre c at the beginning, and p = M v,
-///   [Σ (x − c) × p]⁺ − [Σ (x − c) × p] = Σ (x_m − c) × (p⁺ − p) + h Σ κ,
-///   h κ = (x⁺ − x_m) × p⁺ − (x − x_m) × p;
-/// the first sum holds the moments of the reactions r and of the external forces, both with the
-/// arms x_m, and m_int = Σ (x_m − c) × ((p⁺ − p)/h − f_ext − r), what the linearised internal
-/// forces have of a moment. Torques about P with the arms x_m − P, and further
-///   t_k −= Σ_i φ_ik κ_i + μ_k m_int,   μ_k = Σ_i m_i φ_ik / Σ_i m_i,
-/// close the angular momentum of a part and its ports to round-off over every step. κ is of first
-/// order in ω h: the port's own motion and the body's elastic one during the turn.
+/// nodes turned by half with their part about its centre c at the beginning,
+///   [Σ (x − c) × M v]⁺ − [Σ (x − c) × M v] = Σ (x_m − c) × M (v⁺ − v) + h Σ_k κ_k,
+///   h κ_k = Σ (x⁺ − x_m) × p_k⁺ − Σ (x − x_m) × p_k,   p_k = ½ (φ_k M v + M φ_k v),
+/// φ_k the nodes' shares of holder k (so Σ_k p_k = M v, and Σ v × p_k = 0 for each). The first sum
+/// holds the moments of the reactions r and of the external forces, both with the arms x_m, and
+/// what the linearised elastic forces have of one, m = Σ (x_m − c) × (M (v⁺ − v)/h − f_ext − r).
+/// Torques about P with the arms x_m − P, and further
+///   t_k −= κ_k + μ_k m,   μ_k = Σ_i m_i φ_ik / Σ_i m_i,
+/// close the angular momentum of a part and its ports to round-off over every step. κ and m are of
+/// first order in h: the port's own motion and the body's elastic one during the turn.
 ///
-/// The ground takes up m_int of what it holds (μ = 0). Internal forces of the linear formulation
-/// have moments: there μ = 0 and h κ = (x⁺ − x − h v⁺) × p⁺ alone.
+/// The ground takes up the m of what it holds (μ = 0). Internal forces of the linear formulation
+/// have moments: there μ = 0 and h κ_k = Σ (x⁺ − x − h v⁺) × p_k⁺ alone.
 class AngularBalance {
  public:
   struct Step {
     const State& begin;
     const Carried& carried;
     const State& after;
-    const Eigen::VectorXd& external;  ///< loads, weight and drag of the nodes (N)
+    const Eigen::VectorXd& external;  ///< loads, weight and damping forces of the nodes (N)
     const Eigen::VectorXd& react;     ///< of all ports and of the ground on the nodes (N)
   };
   AngularBalance(const Model& model, const Carry& carry, const Step& step);
@@ -42,7 +43,7 @@ class AngularBalance {
     const Eigen::VectorXd& x_end;     ///< m
     const Eigen::VectorXd& v_end;     ///< in W (m/s)
     const Eigen::VectorXd& react;     ///< N
-    const Eigen::VectorXd& dragged;   ///< of the velocities that α M damps; empty: none (m/s)
+    const Eigen::VectorXd& damping;   ///< of the damping forces; empty: none (N)
     const Eigen::VectorXd& x_begin;   ///< m
     const Eigen::VectorXd& v_begin;   ///< m/s
     const Eigen::VectorXd& x_middle;  ///< of x_m (m)
@@ -55,9 +56,10 @@ class AngularBalance {
   struct Rows {
     Eigen::MatrixXd free;   ///< 3 rows per port: of δv of the free nodes
     Eigen::MatrixXd ports;  ///< 3 rows per port: of (δp, δv) of the ports' origins, by those nodes
-    Eigen::MatrixXd arms;   ///< M (φ_k (x⁺ − x_m) + μ_k (x_m − c)) by port, a column each
-    Eigen::MatrixXd phi;    ///< node by port
-    Eigen::VectorXd mass;   ///< μ by port
+    Eigen::MatrixXd arms;  ///< ½ (φ_k M + M φ_k)(x⁺ − x_m) + μ_k M (x_m − c), a column a port
+    Eigen::MatrixXd momenta;  ///< p_k⁺, a column a port
+    Eigen::VectorXd mass;     ///< μ by port
+    std::vector<std::size_t> part_of_node, part_of_port;
   };
   [[nodiscard]] Rows rows() const;
   /// What a node that a port holds rigidly adds to the torque of port k when it moves by these.
@@ -74,17 +76,20 @@ class AngularBalance {
     std::size_t port;
     std::size_t part;
     Eigen::Index holder;
-    double mass;  ///< μ
+    double mass;               ///< μ
+    Eigen::VectorXd p, p_end;  ///< p_k at the beginning and at the end (kg m/s)
   };
   template <class Work>
   void for_nodes(const Share& share, const Work& work) const;
+  /// p_k of velocities v with the momenta M v.
+  [[nodiscard]] Eigen::VectorXd shared(const BodyPart& part, Eigen::Index holder,
+                                       const Eigen::VectorXd& v, const Eigen::VectorXd& Mv) const;
 
   const Model& model_;
   const Carry& carry_;
   const Step step_;
   double h_s_;
   bool rotates_;
-  Eigen::VectorXd p_, p_end_;   ///< kg m/s
   Eigen::VectorXd out_, back_;  ///< x⁺ and x less what they are compared with in κ (m)
   Eigen::VectorXd internal_;    ///< (p⁺ − p)/h − f_ext − r (N)
   Eigen::VectorXd arm_;         ///< x_m − c (m)

@@ -83,35 +83,17 @@ Eigen::Vector3d Carry::ground(const BodyPart& part, const Eigen::VectorXd& x) co
 
 Eigen::VectorXd Carry::reference(const State& begin, const Carried& carried, const MotionSet& end,
                                  const Eigen::VectorXd& f_ext) const {
-  const MotionSet ports = seen(carried, end);
   Eigen::VectorXd v(begin.x.size());
   for (std::size_t s = 0; s < parts_.size(); ++s) {
     const BodyPart& part = parts_[s];
-    const Carried::Turn& turn = carried.turns[s];
-    if (part.holders.empty()) {
-      Eigen::Vector3d force = Eigen::Vector3d::Zero();
-      for (int node : part.nodes) force += f_ext.segment<3>(3 * node);
-      const Eigen::Vector3d centre = mean(part, carried.begin.v) + carried.h_s / mass(part) * force;
-      for (int node : part.nodes) v.segment<3>(3 * node) = centre;
+    if (!part.holders.empty()) {
+      refer(s, begin, carried, end, v);
       continue;
     }
-    const double share = 1.0 / static_cast<double>(part.holders.size());
-    Motion rigid;  // mean of the holders
-    for (int holder : part.holders) {
-      const bool fixed = holder == BodyPart::kGround;
-      const auto p = static_cast<std::size_t>(holder);
-      const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
-      const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
-      rigid.p_WP +=
-          share * foreseen(carried, turn, at,
-                           fixed ? Eigen::Vector3d::Zero().eval() : carried.ports[p].v_WP);
-      rigid.v_WP += share * motion.v_WP;
-      rigid.w_WP += share * motion.w_WP;
-    }
-    for (int node : part.nodes) {
-      const Eigen::Vector3d arm = carried.map.x_tilde.segment<3>(3 * node) - rigid.p_WP;
-      v.segment<3>(3 * node) = rigid.v_WP + rigid.w_WP.cross(arm);
-    }
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    for (int node : part.nodes) force += f_ext.segment<3>(3 * node);
+    const Eigen::Vector3d centre = mean(part, carried.begin.v) + carried.h_s / mass(part) * force;
+    for (int node : part.nodes) v.segment<3>(3 * node) = centre;
   }
   if (carried.lag.size() > 0) v += carried.lag;
   return v;

@@ -127,15 +127,11 @@ class Carry {
   [[nodiscard]] Eigen::Vector3d mean(const BodyPart& part, const Eigen::VectorXd& field) const;
   [[nodiscard]] double mass(const BodyPart& part) const;
   void turn(const Eigen::Vector3d& omega, double h_s, Carried::Turn& turn) const;
-  /// Places where the fixed nodes of a part stand (m).
+  /// The mean place of the fixed nodes of a part (m).
   [[nodiscard]] Eigen::Vector3d ground(const BodyPart& part, const Eigen::VectorXd& x) const;
-  /// Where x̃ has a point that is at `at` and moves at v when the step begins (m).
-  [[nodiscard]] virtual Eigen::Vector3d foreseen(const Carried& carried, const Carried::Turn& turn,
-                                                 const Eigen::Vector3d& at,
-                                                 const Eigen::Vector3d& v) const = 0;
-  /// The ground, at rest at `at`, as the picture has it at the end of the step.
-  [[nodiscard]] virtual Motion seen_ground(const Carried::Turn& turn,
-                                           const Eigen::Vector3d& at) const = 0;
+  /// The rigid velocities of reference() for the nodes of a part that is held, s of parts().
+  virtual void refer(std::size_t s, const State& begin, const Carried& carried,
+                     const MotionSet& end, Eigen::VectorXd& v) const = 0;
 
   const Model& model_;
   const LoosePorts& loose_;

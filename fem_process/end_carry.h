@@ -51,13 +51,8 @@ class EndCarry final : public Carry {
     Eigen::Vector3d a = Eigen::Vector3d::Zero();
     Eigen::Vector3d q = Eigen::Vector3d::Zero();
   };
-  [[nodiscard]] Eigen::Vector3d foreseen(const Carried& carried, const Carried::Turn&,
-                                         const Eigen::Vector3d& at,
-                                         const Eigen::Vector3d& v) const override {
-    return at + carried.h_s * v;
-  }
-  [[nodiscard]] Motion seen_ground(const Carried::Turn& turn,
-                                   const Eigen::Vector3d& at) const override;
+  void refer(std::size_t s, const State& begin, const Carried& carried, const MotionSet& end,
+             Eigen::VectorXd& v) const override;
   [[nodiscard]] Eigen::Vector3d holders_rate(const BodyPart& part, const MotionSet& ports) const;
   [[nodiscard]] std::vector<Origin> origins(const BodyPart& part, const State& state) const;
   void see(const BodyPart& part, const State& state, const Carried::Turn& turn, Carried& carried,

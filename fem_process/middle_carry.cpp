@@ -55,6 +55,28 @@ MotionSet MiddleCarry::seen(const Carried& carried, const MotionSet& end) const 
   return motions;
 }
 
+void MiddleCarry::refer(std::size_t s, const State& begin, const Carried& carried,
+                        const MotionSet& end, Eigen::VectorXd& v) const {
+  const MotionSet ports = seen(carried, end);
+  const BodyPart& part = parts_[s];
+  const Carried::Turn& turn = carried.turns[s];
+  const double share = 1.0 / static_cast<double>(part.holders.size());
+  Motion rigid;  // mean of the holders
+  for (int holder : part.holders) {
+    const bool fixed = holder == BodyPart::kGround;
+    const auto p = static_cast<std::size_t>(holder);
+    const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
+    const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
+    rigid.p_WP += share * (turn.about + turn.half * (at - turn.about));
+    rigid.v_WP += share * motion.v_WP;
+    rigid.w_WP += share * motion.w_WP;
+  }
+  for (int node : part.nodes) {
+    const Eigen::Vector3d arm = carried.map.x_tilde.segment<3>(3 * node) - rigid.p_WP;
+    v.segment<3>(3 * node) = rigid.v_WP + rigid.w_WP.cross(arm);
+  }
+}
+
 void MiddleCarry::see_prescribed(const Carried& carried, Eigen::VectorXd& v) const {
   for (int node : model_.prescribed)
     v.segment<3>(3 * node) -= carried.velocity.segment<3>(3 * node);

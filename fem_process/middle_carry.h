@@ -36,13 +36,10 @@ class MiddleCarry final : public Carry {
   void conclude(const State& begin, const Carried& carried, Made made, State& after) const override;
 
  private:
-  [[nodiscard]] Eigen::Vector3d foreseen(const Carried&, const Carried::Turn& turn,
-                                         const Eigen::Vector3d& at,
-                                         const Eigen::Vector3d&) const override {
-    return turn.about + turn.half * (at - turn.about);
-  }
-  [[nodiscard]] Motion seen_ground(const Carried::Turn& turn,
-                                   const Eigen::Vector3d& at) const override;
+  void refer(std::size_t s, const State& begin, const Carried& carried, const MotionSet& end,
+             Eigen::VectorXd& v) const override;
+  /// The ground, at rest at `at`, as the picture has it at the end of the step.
+  [[nodiscard]] Motion seen_ground(const Carried::Turn& turn, const Eigen::Vector3d& at) const;
 };
 
 }  // namespace tandem::fem

@@ -26,6 +26,27 @@ Eigen::VectorXd StepTangent::drag_change(const Direction& direction) const {
   return dragged;
 }
 
+/// Of the damping forces; empty: undamped.
+Eigen::VectorXd StepTangent::damping_change(const Step& step, const Direction& direction) const {
+  if (direction.d_reference.size() == 0) return {};
+  const Damping& damping = model_.params.damping;
+  const Linearisation& last = step.last();
+  Eigen::VectorXd change =
+      damping.alpha_per_s * multiply_scalar(model_.pattern(), model_.mass, drag_change(direction));
+  if (damping.beta_s == 0.0) return change;
+  change += multiply(model_.pattern(), last.stiffness(), damping.beta_s * damped_change(direction));
+  const bool iterated = last.kind == Linearisation::Kind::Iterated;
+  if (!iterated && !direction.started()) return change;
+  // K(x̃) turns with x̃, which an iteration takes to the step's end.
+  Eigen::VectorXd dx = iterated ? direction.dd : Eigen::VectorXd::Zero(change.size());
+  if (direction.started()) dx += direction.map.x_tilde;
+  const Eigen::VectorXd at =
+      iterated ? Eigen::VectorXd(last.map.x_tilde + step.result.d) : last.map.x_tilde;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(change.size());
+  return change + step_.turning(last, at, damping.beta_s * step.result.damped, dx) -
+         step_.turning(last, at, none, dx);
+}
+
 /// Derivative of M a + C w + T f_int − f_ext: of its linearisation at x̃ or, where the step is
 /// iterated to equilibrium, of itself at x⁺.
 Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& direction,
@@ -106,12 +127,10 @@ void StepTangent::answer(const Step& step, Eigen::Index column, const AngularBal
   if (angular != nullptr || micro_steps_ > 1) {
     State after = concluded(step, direction);
     if (angular != nullptr) {
-      const Eigen::VectorXd dragged =
-          model_.params.damping.alpha_per_s > 0.0 ? drag_change(direction) : Eigen::VectorXd{};
       angular->add_change({.x_end = after.x,
                            .v_end = after.v,
                            .react = d_react,
-                           .dragged = dragged,
+                           .damping = damping_change(step, direction),
                            .x_begin = direction.begin.x,
                            .v_begin = direction.begin.v,
                            .x_middle = direction.map.x_tilde},

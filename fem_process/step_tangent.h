@@ -118,6 +118,7 @@ class StepTangent {
   void add_arms(const Step& step, const Direction& direction, WrenchSet& d_wrenches) const;
   [[nodiscard]] State concluded(const Step& step, const Direction& direction) const;
   [[nodiscard]] Eigen::VectorXd drag_change(const Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd damping_change(const Step& step, const Direction& direction) const;
 
   const Model& model_;
   const TransientStep& step_;

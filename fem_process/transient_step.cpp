@@ -356,8 +356,8 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
   loose_.follow(end, result.state.x);
   if (balances_angular()) {
     result.external = f_ext;
-    if (model_.params.damping.alpha_per_s > 0.0) {
-      result.external -= model_.params.damping.alpha_per_s * inertia(result.dragged);
+    if (is_damped()) {
+      result.external -= damping_force(kept.last().stiffness(), result.dragged, result.damped);
     }
     AngularBalance(model_, *carry_, balanced(begin, kept, result)).add(result.wrenches);
   }
