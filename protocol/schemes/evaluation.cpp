@@ -29,6 +29,18 @@ InterfaceJacobian take_jacobian(const char* side, const Result& result) {
   return *result.jacobian;
 }
 
+/// Whether a port has been led away from where it is expected, see kFarOut.
+bool far_out(const MotionSet& expected, const MotionSet& motions,
+             const std::vector<PortInfo>& ports) {
+  const Eigen::VectorXd xi = difference(expected, motions);
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    const auto at = 12 * static_cast<Eigen::Index>(p);
+    if (xi.segment<3>(at).norm() > kFarOut * ports[p].length_m) return true;
+    if (xi.segment<3>(at + 3).norm() > kFarOut) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>& fem,
@@ -46,19 +58,50 @@ Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>&
   return evaluation;
 }
 
+namespace {
+
+/// The flexible side's answer to the motions `seen`, joined with that of the multibody side.
+Evaluation answered(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
+                    Linearize linearize, const StepResult<MotionSet>& m, MotionSet seen,
+                    FemSide& fem, const std::vector<PortInfo>& ports) {
+  const auto l =
+      fem.advance({.step = H, .input = {state.motions, seen}, .linearize = linearize.fem});
+  Evaluation evaluation = joined(m, l, lambda, ports);
+  if (evaluation.outcome == Outcome::Failed) return evaluation;
+  evaluation.seen = std::move(seen);
+  if (linearize.mbs) evaluation.mbs_jacobian = take_jacobian("mbs", m);
+  if (linearize.fem) evaluation.fem_jacobian = take_jacobian("fem", l);
+  return evaluation;
+}
+
+}  // namespace
+
 Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
                     Linearize linearize, MbsSide& mbs, FemSide& fem,
                     const std::vector<PortInfo>& ports) {
   const auto m =
       mbs.advance({.step = H, .input = {state.wrenches, lambda}, .linearize = linearize.mbs});
   if (m.outcome == Outcome::Failed) return {.outcome = m.outcome, .message = m.message};
-  const auto l =
-      fem.advance({.step = H, .input = {state.motions, m.output}, .linearize = linearize.fem});
-  Evaluation evaluation = joined(m, l, lambda, ports);
-  if (evaluation.outcome == Outcome::Failed) return evaluation;
-  if (linearize.mbs) evaluation.mbs_jacobian = take_jacobian("mbs", m);
-  if (linearize.fem) evaluation.fem_jacobian = take_jacobian("fem", l);
+  return answered(H, state, lambda, linearize, m, m.output, fem, ports);
+}
+
+Evaluation evaluate_first(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
+                          Prediction motions, Linearize linearize, MbsSide& mbs, FemSide& fem,
+                          const std::vector<PortInfo>& ports) {
+  const auto m =
+      mbs.advance({.step = H, .input = {state.wrenches, lambda}, .linearize = linearize.mbs});
+  if (m.outcome == Outcome::Failed) return {.outcome = m.outcome, .message = m.message};
+  MotionSet expected = predict_motions(motions, state, H);
+  const bool apart = far_out(expected, m.output, ports);
+  Evaluation evaluation =
+      answered(H, state, lambda, linearize, m, apart ? std::move(expected) : m.output, fem, ports);
+  evaluation.apart = apart;
   return evaluation;
+}
+
+Eigen::VectorXd newton_residual(const Evaluation& evaluation, const InterfaceJacobian& fem) {
+  if (!evaluation.apart) return evaluation.residual;
+  return evaluation.residual + fem * difference(evaluation.seen, evaluation.motions);
 }
 
 Evaluation evaluate_parallel(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
