@@ -11,6 +11,7 @@
 #include "mbs_process/params.h"
 #include "mbs_process/state.h"
 #include "mbs_process/step_work.h"
+#include "mbs_process/wrench_rule.h"
 #include "protocol/contract/subsystem.h"
 
 namespace tandem::mbs {
@@ -34,7 +35,8 @@ namespace tandem::mbs {
 ///   x⁺ = x + h v + h² ((½ − β) a + β a⁺),   v⁺ = v + ½ h (a + a⁺):
 /// β = ¼ is the trapezoidal rule, which adds no limit to the coupling's stability; with β = 1/12
 /// its period error is of fourth order, and the coupled system is stable while ω h < 2.4 for the
-/// rigid body on the flexible side's port stiffness. The gyroscopic torque −w × I w is part of f.
+/// rigid body on the flexible side's port stiffness. IntegratorKind::GeneralisedAlpha has λ̄ of
+/// WrenchRule in place of λ. The gyroscopic torque −w × I w is part of f.
 /// Second order in poses and velocities; limits, motors that saturate and dampers on fast motion
 /// are as robust as explicit forces are.
 ///
@@ -106,6 +108,7 @@ class RigidWorld final : public MbsSide {
   SubsystemInfo info_;
   std::vector<Port> ports_;
   Loads loads_;
+  WrenchRule rule_;
   OdeWorld world_;
   SortedWrenches sorted_;  ///< of the present dWorldStep
   State state_;
