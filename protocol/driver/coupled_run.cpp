@@ -9,6 +9,7 @@
 
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
+#include "protocol/schemes/alternation.h"
 #include "protocol/schemes/divergence_monitor.h"
 #include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/step_controller.h"
@@ -75,7 +76,8 @@ class CoupledRun {
         mbs_(metered_mbs_, journal_),
         fem_(metered_fem_, journal_),
         scheme_(params.make_scheme(ports_)),
-        monitor_(params.coupling.divergence_growth, ports_) {
+        monitor_(params.coupling.divergence_growth, ports_),
+        alternation_(ports_) {
     require_same_ports(mbs.side.info().ports);
     report_.scheme = params.scheme_name;
     if (params.scheme_name == to_string(SchemeKind::Tlm)) report_.parasitic_mass_kg = 0.0;
@@ -206,7 +208,7 @@ class CoupledRun {
                          params_.scheme_name, what, to_seconds(t_end), n, end.iterations);
     };
     if (end.outcome == Outcome::Failed) {
-      stop(RunStatus::SolverFailed, located("a side failed") + end.message);
+      stop(RunStatus::SolverFailed, located("a side failed") + end.message + remark());
       return;
     }
     if (const auto divergence = monitor_.check(H, end)) {
@@ -216,8 +218,15 @@ class CoupledRun {
     }
     if (end.outcome == Outcome::NotConverged &&
         params_.coupling.on_not_converged == OnNotConverged::Stop) {
-      stop(RunStatus::NotConverged, located("not converged") + end.message);
+      stop(RunStatus::NotConverged, located("not converged") + end.message + remark());
     }
+  }
+
+  /// Explicit schemes alternate by themselves: the mass ratio is their cause.
+  [[nodiscard]] std::string remark() const {
+    const SchemeKind kind = params_.coupling.scheme;
+    const bool iterates = kind == SchemeKind::InterfaceNewton || kind == SchemeKind::Implicit;
+    return iterates ? alternation_.remark() : std::string{};
   }
 
   void stop(RunStatus status, std::string message) {
@@ -260,6 +269,7 @@ class CoupledRun {
     book_moment(end);
     state_.motions = end.motions;
     state_.wrenches = end.wrenches;
+    alternation_.add(state_);
   }
 
   /// The model's scale of energy: its wrench over its size.
@@ -309,7 +319,8 @@ class CoupledRun {
          fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {}. The steps "
                      "make energy: lower run.macro_step_s or the sides' micro_step_s{}.",
                      params_.scheme_name, to_seconds(state_.time), held_J, share,
-                     params_.scheme_name == newton ? "" : ", or use coupling.scheme: " + newton));
+                     params_.scheme_name == newton ? "" : ", or use coupling.scheme: " + newton) +
+             remark());
   }
 
   void finish() {
@@ -337,6 +348,7 @@ class CoupledRun {
   wire::JournaledFem fem_;
   std::unique_ptr<Scheme> scheme_;
   DivergenceMonitor monitor_;
+  Alternation alternation_;
   std::optional<StepController> controller_;  ///< of adaptive steps
   InterfaceState state_;
   RunReport report_;
