@@ -37,7 +37,8 @@ struct Linearize {
 /// The first evaluation of a Newton iteration, both sides linearised as asked for. A wrench that is
 /// off by Δλ moves a light body m by H² Δλ/m, so M(λ predicted) may be far out where the port never
 /// comes, and the flexible side's derivative there is worth nothing. So where M(λ) is more than
-/// kFarOut from the motions that the past predicts, the flexible side is shown the latter: m̂.
+/// kFarOut from the motions that the past predicts, and by far more than such a prediction missed
+/// in the last macro step, the flexible side is shown the predicted motions: m̂.
 [[nodiscard]] Evaluation evaluate_first(SimTime H, const InterfaceState& state,
                                         const WrenchSet& lambda, Prediction motions,
                                         Linearize linearize, MbsSide& mbs, FemSide& fem,
