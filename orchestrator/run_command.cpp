@@ -8,6 +8,7 @@
 
 #include "fem_process/ancf/ancf_keys.h"
 #include "fem_process/ancf/beam_params.h"
+#include "fem_process/elastic_turn.h"
 #include "mbs_process/make_side.h"
 #include "mbs_process/spring_stability.h"
 #include "orchestrator/commands.h"
@@ -88,6 +89,7 @@ struct RunCommand {
     const RunOutcome outcome =
         run_model(model, directory, {.mode = mode(), .silent = quiet, .attach = attach});
     report(outcome, directory);
+    warn_of_turn(outcome);
     if (outcome.exit_code == 3) note_springs(model, outcome);
     return outcome.exit_code;
   }
@@ -99,6 +101,14 @@ struct RunCommand {
     if (const auto warning = fem::ancf::bending_warning(params.model)) {
       std::fprintf(stderr, "warning: %s\n", warning->c_str());
     }
+  }
+
+  /// A linear body that bends far runs all the same, and its result looks good.
+  static void warn_of_turn(const RunOutcome& outcome) {
+    if (!outcome.summary.contains("elastic_turn_rad")) return;
+    const std::string warning =
+        fem::elastic_turn_warning(number_at(outcome.summary, "elastic_turn_rad"));
+    if (!warning.empty()) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
 
   /// What springs make unstable, the coupling's own monitors may notice first and blame on

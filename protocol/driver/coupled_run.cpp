@@ -290,6 +290,7 @@ class CoupledRun {
     const Observation mbs = mbs_.observe();
     const Observation fem = fem_.observe();
     energy = {.mbs = mbs.energy, .fem = fem.energy};
+    report_.elastic_turn_rad = std::max(report_.elastic_turn_rad, fem.elastic_turn_rad);
     StateHash hash;
     hash.add(mbs.state_hash);
     hash.add(fem.state_hash);

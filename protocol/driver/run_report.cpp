@@ -137,6 +137,7 @@ ordered_json to_json(const RunReport& r) {
   if (!r.broken_off) {
     json["rejected_steps"] = r.rejected_steps;
     json["steps_beyond_tolerance"] = r.steps_beyond_tolerance;
+    json["elastic_turn_rad"] = r.elastic_turn_rad;
   }
   if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
   json["ledger_s"] = ledger_json(r.ledger);
