@@ -24,14 +24,15 @@ struct Carried {
     Eigen::Matrix3d mean = Eigen::Matrix3d::Identity();  ///< T of mean_over(h ω)
   };
   double h_s = 0.0;
-  std::vector<Turn> turns;      ///< per part
-  bool turning = false;         ///< whether any part turns
-  State begin;                  ///< the state as the plain step takes it
-  StepMap map;                  ///< of `begin`
-  LoosePorts::RigidStep rigid;  ///< of `begin`, where the integrator keeps a history
-  MotionSet ports;              ///< at the beginning of the step
-  State holder;                 ///< origins of the ports as if they were nodes, and
-  StepMap holder_map;           ///< where the integrator takes them
+  std::vector<Turn> turns;            ///< per part
+  bool turning = false;               ///< whether any part turns
+  State begin;                        ///< the state as the plain step takes it
+  StepMap map;                        ///< of `begin`
+  LoosePorts::RigidStep rigid;        ///< of `begin`, where the integrator keeps a history
+  MotionSet ports;                    ///< at the beginning of the step
+  std::vector<Eigen::Matrix3d> back;  ///< of PortsSeen
+  State holder;                       ///< origins of the ports as if they were nodes, and
+  StepMap holder_map;                 ///< where the integrator takes them
   /// Newmark's family: (1 − Qᵀ) w, w the relative velocities at the beginning (m/s). The relative
   /// velocities solved for are turned by Q from where damping has them at the end: to O(h²) by
   /// this.
@@ -64,6 +65,9 @@ class Carry {
 
   /// Port motions at the end of the step as the picture has them.
   [[nodiscard]] virtual MotionSet seen(const Carried& carried, const MotionSet& end) const = 0;
+  [[nodiscard]] PortsSeen ports_seen(const Carried& carried, const MotionSet& end) const {
+    return {seen(carried, end), carried.back};
+  }
 
   /// How far the ports end from where the plain step takes their origins, spread over the body:
   /// what the plain step's displacements of the free nodes lack in the balance of forces (m).

@@ -51,15 +51,6 @@ Vector12 arms_of(const LoosePorts::Port& port, const Motion& motion) {
 
 }  // namespace
 
-/// Averaging ports and bushings turn beside their nodes, which the plain step's relations see in W
-/// alone: parts that they hold are carried without rotation.
-bool EndCarry::loosely_held(const BodyPart& part) const {
-  return std::any_of(part.holders.begin(), part.holders.end(), [this](int holder) {
-    return holder != BodyPart::kGround &&
-           model_.ports[static_cast<std::size_t>(holder)].attachment.loose();
-  });
-}
-
 Eigen::Vector3d EndCarry::holders_rate(const BodyPart& part, const MotionSet& ports) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int holder : part.holders) {
@@ -139,6 +130,7 @@ void EndCarry::see_rigid(const State& state, Carried& carried) const {
     const Motion& motion = state.port_motions[port.index];
     const Carried::Turn& turn = carried.turns[part_of_port_[port.index]];
     const Vector12 arms = arms_of(port, motion);
+    carried.back.push_back(turn.Q.transpose());
     for (int j = 0; j < 12; j += 3) {
       const Eigen::Index row = 12 * static_cast<Eigen::Index>(k) + j;
       const Eigen::Index origin = 3 * static_cast<Eigen::Index>(port.index);
@@ -194,7 +186,7 @@ Carried EndCarry::begin(const State& state, double h_s) const {
   for (std::size_t s = 0; s < parts_.size(); ++s) {
     const BodyPart& part = parts_[s];
     Eigen::Vector3d omega = Eigen::Vector3d::Zero();
-    if (rotates_ && !loosely_held(part)) {
+    if (rotates_) {
       omega = part.holders.empty() ? own_motion(part, state.x, state.v).omega
                                    : holders_rate(part, state.port_motions);
     }

@@ -23,8 +23,6 @@ namespace tandem::fem {
 /// with a symmetric matrix. Coriolis's force in the balance would make it unsymmetric, or explicit
 /// and unstable.
 ///
-/// Parts that averaging ports or bushings hold are carried without rotation (ω = 0).
-///
 /// x̃, where forces are linearised, is where the relative velocity of the last step would lead: to
 /// O(h²) where the body goes, without what the last acceleration makes of stiff modes that ring.
 class EndCarry final : public Carry {
@@ -60,7 +58,6 @@ class EndCarry final : public Carry {
   }
   [[nodiscard]] Motion seen_ground(const Carried::Turn& turn,
                                    const Eigen::Vector3d& at) const override;
-  [[nodiscard]] bool loosely_held(const BodyPart& part) const;
   [[nodiscard]] Eigen::Vector3d holders_rate(const BodyPart& part, const MotionSet& ports) const;
   [[nodiscard]] std::vector<Origin> origins(const BodyPart& part, const State& state) const;
   void see(const BodyPart& part, const State& state, const Carried::Turn& turn, Carried& carried,

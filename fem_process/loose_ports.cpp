@@ -19,6 +19,16 @@ Vector12 part(const Eigen::VectorXd& all, std::size_t k) {
 
 Eigen::Matrix3d rotation_of(const Motion& motion) { return motion.q_WP.toRotationMatrix(); }
 
+/// Rates of a set that moves with the port, as the velocities that a step solves for have them.
+Vector12 rates_seen(const NodeAverage& average, Motion motion, const Eigen::Matrix3d& back) {
+  motion.w_WP = back * motion.w_WP;
+  Vector12 rates = rigid_rates(average, motion);
+  rates.head<3>() -= motion.v_WP;
+  rates = four_times(back.transpose()) * rates;
+  rates.head<3>() += motion.v_WP;
+  return rates;
+}
+
 /// As if the coordinates were nodes', for the integrator; there are no positions.
 State as_state(const RateHistory& rates) {
   State state;
@@ -150,20 +160,22 @@ LoosePorts::Rates LoosePorts::prescribe(const StepMap& map, const RigidStep& rig
   Rates rates{Eigen::VectorXd(size()), rigid.map.a_hat};
   for (std::size_t k = 0; k < ports_.size(); ++k) {
     const auto& [index, average, bushing] = ports_[k];
-    const Vector12 rho = rigid_rates(average, end.seen[index]);
+    const Motion& seen = end.seen.motions[index];
+    const Eigen::Matrix3d& back = end.seen.back[k];
+    const Vector12 rho = rates_seen(average, seen, back);
     const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
     rates.v.segment<12>(row) = rho;
     rates.a.segment<12>(row) += map.c_a * rho;
     if (bushing) continue;
-    const Eigen::Matrix3d R = rotation_of(end.seen[index]);
+    const Eigen::Matrix3d R = rotation_of(seen);
     const Vector12 lacking_a = part(rigid.map.a_hat_prescribed, k) +
                                map.c_a_prescribed * rigid_rates(average, end.in_world[index]) -
                                part(rates.a, k);
     average.add_rigid_part(R, lacking_a, 1.0, a);
     rates.a.segment<12>(row) += average.rigid_part(R, lacking_a);
-    const Vector12 lacking_d = rigid_coordinates(average, end.seen[index]) -
-                               average.coordinates(map.x_tilde) - average.coordinates(d_hat) -
-                               map.c_x * (rho + part(rigid.lag, k));
+    const Vector12 lag = four_times((back * back).transpose()) * part(rigid.lag, k);
+    const Vector12 lacking_d = rigid_coordinates(average, seen) - average.coordinates(map.x_tilde) -
+                               average.coordinates(d_hat) - map.c_x * (rho + lag);
     average.add_rigid_part(R, lacking_d, 1.0, d);
   }
   return rates;
@@ -185,6 +197,17 @@ void LoosePorts::follow(const MotionSet& end, Eigen::VectorXd& x) const {
   }
 }
 
+Eigen::VectorXd LoosePorts::followed(const MotionSet& end, const Eigen::VectorXd& q) const {
+  Eigen::VectorXd moved = q;
+  for (std::size_t k = 0; k < ports_.size(); ++k) {
+    const auto& [index, average, bushing] = ports_[k];
+    if (bushing) continue;
+    moved.segment<12>(12 * static_cast<Eigen::Index>(k)) += average.rigid_part(
+        rotation_of(end[index]), rigid_coordinates(average, end[index]) - part(q, k));
+  }
+  return moved;
+}
+
 void LoosePorts::set_velocities(const MotionSet& motions, Eigen::VectorXd& v) const {
   for (const auto& [index, average, bushing] : ports_) {
     if (bushing) continue;
@@ -194,28 +217,31 @@ void LoosePorts::set_velocities(const MotionSet& motions, Eigen::VectorXd& v) co
   }
 }
 
-PortRelation LoosePorts::relation(std::size_t k, const MotionSet& motions, const Eigen::VectorXd& q,
+PortRelation LoosePorts::relation(std::size_t k, const PortsSeen& seen, const Eigen::VectorXd& q,
                                   const Eigen::VectorXd& q_rate, const Eigen::VectorXd& phi) const {
   const auto& [index, average, bushing] = ports_[k];
-  const PortView view = port_view(motions[index], part(q, k), part(q_rate, k), part(phi, k));
+  const PortView view =
+      port_view(seen.motions[index], seen.back[k], part(q, k), part(q_rate, k), part(phi, k));
   return bushing ? bushing->relation(average, view) : averaging_relation(average, view);
 }
 
 Eigen::MatrixXd LoosePorts::tangent(const std::vector<PortRelation>& relations,
-                                    const MotionSet& motions, double c_x,
+                                    const PortsSeen& seen, double c_x,
                                     const Eigen::MatrixXd& Y) const {
   Eigen::MatrixXd G(size(), size());
   for (std::size_t k = 0; k < ports_.size(); ++k) {
-    const Matrix12 R_PW = four_times(rotation_of(motions[ports_[k].index]).transpose());
+    const Eigen::Matrix3d R = rotation_of(seen.motions[ports_[k].index]).transpose();
+    const Matrix12 R_PW = four_times(R);
     const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
-    const Matrix12 of_rate = (c_x * relations[k].F_q + relations[k].F_u) * R_PW;
+    const Matrix12 of_rate =
+        c_x * relations[k].F_q * R_PW + relations[k].F_u * four_times(R * seen.back[k]);
     G.middleRows<12>(row) = of_rate * Y.middleRows<12>(row);
     G.block<12, 12>(row, row) += relations[k].F_phi * R_PW;
   }
   return G;
 }
 
-SolveReport LoosePorts::close(const MotionSet& end, double c_x, const Eigen::MatrixXd& Y,
+SolveReport LoosePorts::close(const PortsSeen& end, double c_x, const Eigen::MatrixXd& Y,
                               const Eigen::VectorXd& near, Eigen::VectorXd& q,
                               Eigen::VectorXd& q_rate, Eigen::VectorXd& phi) const {
   Eigen::VectorXd at = near;
@@ -225,7 +251,7 @@ SolveReport LoosePorts::close(const MotionSet& end, double c_x, const Eigen::Mat
     for (std::size_t k = 0; k < ports_.size(); ++k) {
       const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
       relations[k] = relation(k, end, at, q_rate, phi);
-      const Matrix12 R_PW = four_times(rotation_of(end[ports_[k].index]).transpose());
+      const Matrix12 R_PW = four_times(rotation_of(end.motions[ports_[k].index]).transpose());
       F.segment<12>(row) = relations[k].F + relations[k].F_q * (R_PW * (q - at).segment<12>(row));
     }
     const Eigen::VectorXd change = solve_equilibrated(tangent(relations, end, c_x, Y), -F);
@@ -244,7 +270,8 @@ SolveReport LoosePorts::close(const MotionSet& end, double c_x, const Eigen::Mat
     for (std::size_t k = 0; k < ports_.size(); ++k) {
       const auto& [index, average, bushing] = ports_[k];
       if (!bushing) continue;
-      const Vector12 q_P = port_view(end[index], part(q, k), part(q_rate, k), part(phi, k)).q;
+      const Vector12 q_P =
+          port_view(end.motions[index], end.back[k], part(q, k), part(q_rate, k), part(phi, k)).q;
       const double turn = bushing->deflection(average, q_P).theta.norm();
       if (turn <= kMostTurn_rad) continue;
       return {.outcome = Outcome::Failed,
@@ -273,8 +300,8 @@ void LoosePorts::close_accelerations(const Eigen::MatrixXd& Y, const Eigen::Vect
     const Motion still{.p_WP = Eigen::Vector3d::Zero(),
                        .q_WP = Eigen::Quaterniond(NodeAverage::rotation(part(q, k)))};
     const Vector12 zero = Vector12::Zero();
-    const PortRelation relation =
-        averaging_relation(ports_[k].average, port_view(still, part(q, k), zero, zero));
+    const PortRelation relation = averaging_relation(
+        ports_[k].average, port_view(still, Eigen::Matrix3d::Identity(), part(q, k), zero, zero));
     const Matrix12 R_PW = four_times(rotation_of(still).transpose());
     const Matrix12 of_rate = relation.F_u * R_PW;
     G.middleRows<12>(row) = of_rate * Y.middleRows<12>(row);
@@ -286,12 +313,13 @@ void LoosePorts::close_accelerations(const Eigen::MatrixXd& Y, const Eigen::Vect
 
 Eigen::VectorXd LoosePorts::bushing_forces(const MotionSet& motions, const Eigen::VectorXd& q,
                                            const Eigen::VectorXd& q_rate) const {
+  const PortsSeen in_world{motions, {ports_.size(), Eigen::Matrix3d::Identity()}};
   Eigen::VectorXd phi = Eigen::VectorXd::Zero(size());
   for (std::size_t k = 0; k < ports_.size(); ++k) {
     if (!ports_[k].bushing) continue;
     const Matrix12 R_WP = four_times(rotation_of(motions[ports_[k].index]));
     phi.segment<12>(12 * static_cast<Eigen::Index>(k)) =
-        -R_WP * relation(k, motions, q, q_rate, phi).F;
+        -R_WP * relation(k, in_world, q, q_rate, phi).F;
   }
   return phi;
 }
@@ -302,7 +330,8 @@ double LoosePorts::energy_J(const MotionSet& motions, const Eigen::VectorXd& q) 
     const auto& [index, average, bushing] = ports_[k];
     if (!bushing) continue;
     const Vector12 zero = Vector12::Zero();
-    const Vector12 q_P = port_view(motions[index], part(q, k), zero, zero).q;
+    const Vector12 q_P =
+        port_view(motions[index], Eigen::Matrix3d::Identity(), part(q, k), zero, zero).q;
     energy += bushing->energy_J(bushing->deflection(average, q_P));
   }
   return energy;

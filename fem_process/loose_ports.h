@@ -22,6 +22,15 @@ struct TorqueArms {
   std::vector<Eigen::Vector3d> about;  ///< per port (m)
 };
 
+/// The motions that the relations of a step hold for. The velocities y that a step solves for may
+/// be those of axes that turn (see EndCarry); per loose port B turns what is relative to the port
+/// back:
+///   q˙ ← v_P + B (q˙ − v_P),  w ← B w   of motions.w_WP and of q˙ = Nᵀ y.
+struct PortsSeen {
+  MotionSet motions;
+  std::vector<Eigen::Matrix3d> back;  ///< B per loose port
+};
+
 /// The ports whose nodes do not follow them rigidly: averaging ports and bushings. Their nodes are
 /// free nodes of the body, with the forces N φ on them, Nᵀ the functionals of NodeAverage, twelve
 /// per port: `coordinates` q = Nᵀ x. A step of the body solves
@@ -63,7 +72,7 @@ class LoosePorts {
     StepMap map;          ///< of ρ
     Eigen::VectorXd lag;  ///< δ at the beginning of the step
   };
-  /// Linear in the state's v and rigid, so that it carries derivatives as well.
+  /// `begin` as the plain step takes it.
   [[nodiscard]] RigidStep rigid_step(const Integrator& integrator, const State& begin,
                                      double h_s) const;
   struct Rates {
@@ -72,25 +81,26 @@ class LoosePorts {
   };
   /// Gives the rigid part of an averaging port's nodes the displacements and accelerations of
   /// prescribed nodes: adds to d and a what the step's maps lack of them. δ at the beginning of the
-  /// step stands for δ at its end there: the force of the difference is of second order. Returns ρ
-  /// and its rates at the end of the step.
-  /// `d_hat` is that of the free nodes, the drift of the ports included. Positions and velocities
-  /// are those that the balance sees, the prescribed accelerations follow from velocities in W: see
-  /// Carry.
+  /// step, turned along with the body, stands for δ at its end there: the force of the difference
+  /// is of second order. Returns ρ and its rates at the end of the step. `d_hat` is that of the
+  /// free nodes, the drift of the ports included. Positions and velocities are those that the
+  /// balance sees, the prescribed accelerations follow from velocities in W: see Carry.
   struct EndMotions {
     const MotionSet& in_world;
-    const MotionSet& seen;
+    const PortsSeen& seen;
   };
   Rates prescribe(const StepMap& map, const RigidStep& rigid, const Eigen::VectorXd& d_hat,
                   const EndMotions& end, Eigen::VectorXd& d, Eigen::VectorXd& a) const;
   /// Puts the rigid part of an averaging port's nodes where the port is.
   void follow(const MotionSet& end, Eigen::VectorXd& x) const;
+  /// The coordinates of x after follow() from those before.
+  [[nodiscard]] Eigen::VectorXd followed(const MotionSet& end, const Eigen::VectorXd& q) const;
   /// Gives the nodes of averaging ports the port's rigid velocity field.
   void set_velocities(const MotionSet& motions, Eigen::VectorXd& v) const;
 
   /// Newton's iteration for F = 0 along q(φ), q˙(φ). On entry φ and the q, q˙ that belong to it, on
   /// return the solution. `near` are coordinates to linearise at first.
-  SolveReport close(const MotionSet& end, double c_x, const Eigen::MatrixXd& Y,
+  SolveReport close(const PortsSeen& end, double c_x, const Eigen::MatrixXd& Y,
                     const Eigen::VectorXd& near, Eigen::VectorXd& q, Eigen::VectorXd& q_rate,
                     Eigen::VectorXd& phi) const;
 
@@ -114,12 +124,12 @@ class LoosePorts {
                     WrenchSet& wrenches) const;
 
   /// Relation of port k of these.
-  [[nodiscard]] PortRelation relation(std::size_t k, const MotionSet& motions,
+  [[nodiscard]] PortRelation relation(std::size_t k, const PortsSeen& seen,
                                       const Eigen::VectorXd& q, const Eigen::VectorXd& q_rate,
                                       const Eigen::VectorXd& phi) const;
   /// dF/dφ along q(φ), q˙(φ).
   [[nodiscard]] Eigen::MatrixXd tangent(const std::vector<PortRelation>& relations,
-                                        const MotionSet& motions, double c_x,
+                                        const PortsSeen& seen, double c_x,
                                         const Eigen::MatrixXd& Y) const;
 
  private:

@@ -39,29 +39,34 @@ LooseTangent::LooseTangent(const LoosePorts& ports, const Solution& solution)
 
 Eigen::VectorXd LooseTangent::correction(const Eigen::VectorXd& dx, const Eigen::VectorXd& dv,
                                          const Eigen::VectorXd& d_phi,
-                                         const Eigen::VectorXd& d_end) const {
+                                         const SeenChange& d_end) const {
   const Eigen::VectorXd dq = ports_.coordinates(dx);
   const Eigen::VectorXd dq_rate = ports_.coordinates(dv);
   Eigen::VectorXd dF(ports_.size());
   for (std::size_t k = 0; k < ports_.ports().size(); ++k) {
     const std::size_t index = ports_.ports()[k].index;
-    const Motion& motion = end_[index];
-    const Vector12 own = change_of(d_end, index);
+    const Motion& motion = end_.motions[index];
+    const Matrix12 back = four_times(end_.back[k]);
+    const Vector12 own = change_of(d_end.motions, index);
     const Eigen::Vector3d turn = own.segment<3>(3);
     Vector12 arms = part(q_, k);
     Vector12 rates = part(q_rate_, k);
     arms.head<3>() -= motion.p_WP;
     rates.head<3>() -= motion.v_WP;
     Vector12 dq_seen = part(dq, k) - turned(turn, arms);
-    Vector12 du_seen = part(dq_rate, k) - turned(turn, rates);
+    Vector12 d_rates = part(dq_rate, k);
     dq_seen.head<3>() -= own.head<3>();
-    du_seen.head<3>() -= own.segment<3>(6);
+    d_rates.head<3>() -= own.segment<3>(6);
+    const Vector12 du_seen =
+        back * d_rates + four_times(d_end.back[k]) * rates - turned(turn, back * rates);
+    const Eigen::Vector3d w = end_.back[k] * motion.w_WP;
+    const Eigen::Vector3d dw = end_.back[k] * own.tail<3>() + d_end.back[k] * motion.w_WP;
     const Eigen::Matrix3d R_PW = motion.q_WP.toRotationMatrix().transpose();
     const Matrix12 to_port = four_times(R_PW);
     const PortRelation& relation = relations_[k];
     dF.segment<12>(12 * static_cast<Eigen::Index>(k)) =
         relation.F_q * (to_port * dq_seen) + relation.F_u * (to_port * du_seen) +
-        relation.F_w * (R_PW * (own.tail<3>() - turn.cross(motion.w_WP))) +
+        relation.F_w * (R_PW * (dw - turn.cross(w))) +
         relation.F_phi * (to_port * (part(d_phi, k) - turned(turn, part(phi_, k))));
   }
   return -G_.solve(row_scale_.asDiagonal() * dF);

@@ -15,7 +15,7 @@ namespace tandem::fem {
 class LooseTangent {
  public:
   struct Solution {
-    MotionSet end;        ///< motions at the end of the step, as the balance has them
+    PortsSeen end;        ///< motions at the end of the step, as the balance has them
     Eigen::VectorXd x;    ///< x̃ + d: positions in the balance (m)
     Eigen::VectorXd v;    ///< m/s
     Eigen::VectorXd phi;  ///< forces of the ports
@@ -24,14 +24,19 @@ class LooseTangent {
   };
   LooseTangent(const LoosePorts& ports, const Solution& solution);
 
+  /// Of PortsSeen.
+  struct SeenChange {
+    Eigen::VectorXd motions;            ///< 12 per port, as in difference()
+    std::vector<Eigen::Matrix3d> back;  ///< per loose port
+  };
   /// δφ that closes the relations' derivatives, which have dx, dv (all nodes) and dφ so far.
   [[nodiscard]] Eigen::VectorXd correction(const Eigen::VectorXd& dx, const Eigen::VectorXd& dv,
                                            const Eigen::VectorXd& d_phi,
-                                           const Eigen::VectorXd& d_end) const;
+                                           const SeenChange& d_end) const;
 
  private:
   const LoosePorts& ports_;
-  MotionSet end_;
+  PortsSeen end_;
   Eigen::VectorXd q_;
   Eigen::VectorXd q_rate_;
   Eigen::VectorXd phi_;

@@ -8,6 +8,7 @@ Carried MiddleCarry::begin(const State& state, double h_s) const {
   Carried carried;
   carried.h_s = h_s;
   carried.ports = state.port_motions;
+  carried.back.assign(loose_.ports().size(), Eigen::Matrix3d::Identity());
   carried.begin.x = state.x;
   carried.begin.v = state.v;
   carried.turns.resize(parts_.size());

@@ -53,17 +53,16 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R) {
 
 }  // namespace
 
-PortView port_view(const Motion& motion, const Vector12& q, const Vector12& q_rate,
-                   const Vector12& phi) {
+PortView port_view(const Motion& motion, const Eigen::Matrix3d& back, const Vector12& q,
+                   const Vector12& q_rate, const Vector12& phi) {
   const Eigen::Matrix3d R_PW = motion.q_WP.toRotationMatrix().transpose();
-  PortView view{.q = q, .u = q_rate, .w = R_PW * motion.w_WP, .phi = phi};
+  const Eigen::Matrix3d of_rates = R_PW * back;
+  PortView view{.q = q, .u = q_rate, .w = of_rates * motion.w_WP, .phi = phi};
   view.q.head<3>() -= motion.p_WP;
   view.u.head<3>() -= motion.v_WP;
-  for (Vector12* values : {&view.q, &view.u, &view.phi}) {
-    for (int j = 0; j < 4; ++j) {
-      values->segment<3>(3 * j) = (R_PW * values->segment<3>(3 * j)).eval();
-    }
-  }
+  view.q = four_times(R_PW) * view.q;
+  view.u = four_times(of_rates) * view.u;
+  view.phi = four_times(R_PW) * view.phi;
   return view;
 }
 

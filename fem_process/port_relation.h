@@ -16,8 +16,10 @@ struct PortView {
   Eigen::Vector3d w;  ///< Rᵀ w_WP
   Vector12 phi;       ///< Rᵀ φ
 };
-[[nodiscard]] PortView port_view(const Motion& motion, const Vector12& q, const Vector12& q_rate,
-                                 const Vector12& phi);
+/// `back` turns relative velocities to W from where `motion.w_WP` and `q_rate` have them: see
+/// PortsSeen.
+[[nodiscard]] PortView port_view(const Motion& motion, const Eigen::Matrix3d& back,
+                                 const Vector12& q, const Vector12& q_rate, const Vector12& phi);
 
 /// What ties q, its rates and φ: twelve equations F = 0 with their derivatives.
 struct PortRelation {

@@ -31,6 +31,10 @@ void TransientStep::correct_once(const Input& input, Linearisation& kept, Eigen:
   again.port_response = kept.port_response;
   kept.has_correction = true;
   result.first_damped = damped(input, v);
+  if (!loose_.empty()) {
+    result.first_y = v;
+    result.first_attached = result.state.attached;
+  }
   result.d.setZero();
 
   Eigen::MatrixXd delta =

@@ -92,13 +92,13 @@ void StepTangent::answer(const Step& step, Eigen::Index column, const Direction&
     if (step.loose != nullptr) {
       Eigen::VectorXd dx = direction.dd;
       if (direction.started()) dx += direction.map.x_tilde;
-      Eigen::VectorXd d_pose = direction.d_seen;
+      Eigen::VectorXd d_pose = direction.d_seen.motions;
       for (Eigen::Index p = 0; 12 * p < d_pose.size(); ++p) {
         d_pose.segment<3>(12 * p) -= direction.d_origin.segment<3>(3 * p);
       }
-      add_wrench_derivative(loose_, loose_.origins(step.result.seen, step.result.torques),
+      add_wrench_derivative(loose_, loose_.origins(step.result.seen.motions, step.result.torques),
                             step.result.q, step.result.state.attached, d_pose,
-                            loose_.coordinates(dx), direction.d_phi, d_wrenches);
+                            arms_change(step, direction, dx), direction.d_phi, d_wrenches);
     }
   }
   add_arms(step, direction, d_wrenches);
@@ -234,15 +234,24 @@ SolveReport StepTangent::advance(const State& begin, const Motions& end, const M
   const Eigen::Index columns = 12 * static_cast<Eigen::Index>(arms_.size());
   directions_.resize(static_cast<std::size_t>(columns));
   jacobian_.setZero(columns / 2, columns);
+  const bool corrected = last.kind == Linearisation::Kind::Corrected;
+  std::optional<LooseTangent> first;
   std::optional<LooseTangent> solution;
   if (!loose_.empty()) {
-    solution.emplace(loose_, LooseTangent::Solution{.end = result.seen,
-                                                    .x = last.map.x_tilde + result.d,
-                                                    .v = result.y,
-                                                    .phi = result.state.attached,
-                                                    .Y = last.port_response,
-                                                    .c_x = last.map.c_x});
+    LooseTangent::Solution at{.end = result.seen,
+                              .x = last.map.x_tilde + result.d,
+                              .v = result.y,
+                              .phi = result.state.attached,
+                              .Y = last.port_response,
+                              .c_x = last.map.c_x};
+    solution.emplace(loose_, at);
     step.loose = &*solution;
+    if (corrected) {
+      at.x = last.map.x_tilde;
+      at.v = result.first_y;
+      at.phi = result.first_attached;
+      step.loose = &first.emplace(loose_, at);
+    }
   }
   std::vector<Eigen::Index> moving;
   for (Eigen::Index c = 0; c < columns; ++c) {
@@ -252,13 +261,13 @@ SolveReport StepTangent::advance(const State& begin, const Motions& end, const M
   }
   SolveReport report;
   if (!moving.empty()) report = solve(step, moving);
-  if (report.outcome != Outcome::Failed && !moving.empty() &&
-      last.kind == Linearisation::Kind::Corrected) {
-    const SolveReport corrected = correct_once(step, moving);
-    report.iterations += corrected.iterations;
-    if (corrected.outcome > report.outcome) {
-      report.outcome = corrected.outcome;
-      report.message = corrected.message;
+  if (solution) step.loose = &*solution;
+  if (report.outcome != Outcome::Failed && !moving.empty() && corrected) {
+    const SolveReport second = correct_once(step, moving);
+    report.iterations += second.iterations;
+    if (second.outcome > report.outcome) {
+      report.outcome = second.outcome;
+      report.message = second.message;
     }
   }
   if (report.outcome == Outcome::Failed) return report;

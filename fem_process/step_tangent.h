@@ -80,14 +80,14 @@ class StepTangent {
     Eigen::VectorXd d_reference;  ///< of the velocities that damping refers to; empty: undamped
     Eigen::VectorXd d_shift;      ///< of Carry::prescribed_shift; empty: undamped
     Eigen::VectorXd d_drag;       ///< of Carried::drag; empty: zero
-    Eigen::VectorXd d_seen;       ///< of the port motions as the balance has them, 12 per port
-    LoosePorts::Rates d_rates;    ///< of ρ and its rates, see LoosePorts
-    Eigen::VectorXd d_phi;        ///< of the forces of averaging ports and bushings
-    Eigen::VectorXd turning;      ///< of T f_int(x̃) + K(x̃) y at fixed y = β w + d
-    Eigen::VectorXd dd_first;     ///< dd where the forces of a correction stand; empty: zero
-    Eigen::VectorXd d_origin;     ///< of where the torques' arms begin, 3 per port (m)
-    Eigen::VectorXd d_arms_turn;  ///< of the pose that they turn with, 3 per port (rad)
-    bool moves = false;           ///< false: nothing changes in the balance of forces
+    LooseTangent::SeenChange d_seen;  ///< of the port motions as the balance has them
+    LoosePorts::Rates d_rates;        ///< of ρ and its rates, see LoosePorts
+    Eigen::VectorXd d_phi;            ///< of the forces of averaging ports and bushings
+    Eigen::VectorXd turning;          ///< of T f_int(x̃) + K(x̃) y at fixed y = β w + d
+    Eigen::VectorXd dd_first;         ///< dd where the forces of a correction stand; empty: zero
+    Eigen::VectorXd d_origin;         ///< of where the torques' arms begin, 3 per port (m)
+    Eigen::VectorXd d_arms_turn;      ///< of the pose that they turn with, 3 per port (rad)
+    bool moves = false;               ///< false: nothing changes in the balance of forces
     [[nodiscard]] bool started() const { return begin.x.size() > 0; }
   };
   /// The kinematics of the step with begin and end changed along a direction, `amount` times.
@@ -98,6 +98,8 @@ class StepTangent {
   };
   [[nodiscard]] Nudged nudge(const Step& step, const Direction& direction, double amount) const;
   void see(const Step& step, Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd arms_change(const Step& step, const Direction& direction,
+                                            const Eigen::VectorXd& dx) const;
   void see_loose(const Nudged& below, const Nudged& above, Direction& direction) const;
   void turn_forces(const Step& step, const Nudged& below, const Nudged& above,
                    Direction& direction) const;

@@ -144,8 +144,12 @@ void StepTangent::see(const Step& step, Direction& direction) const {
   if (drift.size() > 0) {
     direction.dd += scale * (drift - carry_.drift(below.carried, below.end));
   }
-  direction.d_seen = scale * difference(carry_.seen(below.carried, below.end),
-                                        carry_.seen(above.carried, above.end));
+  direction.d_seen.motions = scale * difference(carry_.seen(below.carried, below.end),
+                                                carry_.seen(above.carried, above.end));
+  direction.d_seen.back.resize(loose_.ports().size());
+  for (std::size_t k = 0; k < loose_.ports().size(); ++k) {
+    direction.d_seen.back[k] = scale * (above.carried.back[k] - below.carried.back[k]);
+  }
   if (step.result.damped.size() > 0) {
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(n);
     direction.d_reference = scale * (carry_.reference(above.begin, above.carried, above.end, none) -
@@ -191,7 +195,7 @@ void StepTangent::see_loose(const Nudged& below, const Nudged& above, Direction&
     const Carried& carried = nudged.carried;
     const Eigen::VectorXd d_hat = carried.map.d_hat + carry_.drift(carried, nudged.end);
     Added added{Eigen::VectorXd::Zero(d_hat.size()), Eigen::VectorXd::Zero(d_hat.size()), {}};
-    const MotionSet seen = carry_.seen(carried, nudged.end);
+    const PortsSeen seen = carry_.ports_seen(carried, nudged.end);
     added.rates =
         loose_.prescribe(carried.map, carried.rigid, d_hat, {nudged.end, seen}, added.d, added.a);
     return added;
@@ -202,6 +206,17 @@ void StepTangent::see_loose(const Nudged& below, const Nudged& above, Direction&
   direction.dd += scale * (b.d - a.d);
   direction.da += scale * (b.a - a.a);
   direction.d_rates = {.v = scale * (b.rates.v - a.rates.v), .a = scale * (b.rates.a - a.rates.a)};
+}
+
+/// Derivative of the coordinates q at which the ports' forces act, x⁺ being changed by dx.
+Eigen::VectorXd StepTangent::arms_change(const Step& step, const Direction& direction,
+                                         const Eigen::VectorXd& dx) const {
+  const Eigen::VectorXd dq = loose_.coordinates(dx);
+  if (!model_.integrator->keeps_history()) return dq;
+  const auto followed = [&](double amount) {
+    return loose_.followed(nudge(step, direction, amount).end, step.result.q + amount * dq);
+  };
+  return 0.5 / direction.amount * (followed(direction.amount) - followed(-direction.amount));
 }
 
 /// f_int and K of the linearisation turn and strain with x̃, T with the turn of the step.
@@ -311,6 +326,7 @@ void StepTangent::conclude(const Step& step, Direction& direction) const {
     add(direction.d_rates.v, amount, made.rates.v);
     add(direction.d_rates.a, amount, made.rates.a);
     State state;
+    if (model_.integrator->keeps_history()) loose_.follow(nudged.end, made.x);
     carry_.conclude(nudged.begin, nudged.carried, std::move(made), state);
     loose_.follow(nudged.end, state.x);
     return state;

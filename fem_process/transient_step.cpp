@@ -249,14 +249,15 @@ SolveReport TransientStep::attach(const Input& input, const Linearisation& kept,
   return report;
 }
 
-/// Wrenches and energies of the ports at the end of the step, the nodes at x̃ + d.
+/// Wrenches and energies of the ports at the end of the step, the nodes at `x_seen`.
 void TransientStep::pull(const Eigen::VectorXd& x_seen, Result& result) const {
   result.wrenches = port_wrenches(model_, arms_, result.torques, result.react);
   if (loose_.empty()) return;
   result.q = loose_.coordinates(x_seen);
-  loose_.add_wrenches(loose_.origins(result.seen, result.torques), result.q, result.state.attached,
+  const MotionSet& seen = result.seen.motions;
+  loose_.add_wrenches(loose_.origins(seen, result.torques), result.q, result.state.attached,
                       result.wrenches);
-  result.state.bushing_J = loose_.energy_J(result.seen, result.q);
+  result.state.bushing_J = loose_.energy_J(seen, result.q);
 }
 
 TorqueArms TransientStep::torque_arms(const State& begin, const MotionSet& end,
@@ -315,7 +316,7 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
-  result.seen = carry_->seen(kept.carried, end);
+  result.seen = carry_->ports_seen(kept.carried, end);
   result.torques = torque_arms(begin, end, about, kept.h_s);
   if (model_.integrator->keeps_history()) {
     result.rates = loose_.prescribe(map, kept.carried.rigid, d_hat, {end, result.seen}, d, a);
@@ -336,7 +337,9 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
     correct_once(input, kept, v, a, result);
   }
   if (result.report.outcome == Outcome::Failed) return result;
-  const Eigen::VectorXd x_seen = kept.last().map.x_tilde + d;
+  Eigen::VectorXd x_seen = kept.last().map.x_tilde + d;
+  // Where the balance is that of the end, the forces have the arms of the end.
+  if (model_.integrator->keeps_history()) loose_.follow(end, x_seen);
   for (int node : model_.free) x.segment<3>(3 * node) = x_seen.segment<3>(3 * node);
   pull(x_seen, result);
   result.damped = damped(input, v);

@@ -99,14 +99,16 @@ class TransientStep {
     Eigen::VectorXd d;      ///< x⁺ − x̃ as the balance of forces has it (m)
     Eigen::VectorXd react;  ///< nodal reactions at the end (N)
     Eigen::VectorXd q;      ///< of LoosePorts, as the balance has them
-    MotionSet seen;         ///< port motions as the balance has them, see Carry
+    PortsSeen seen;         ///< port motions as the balance has them, see Carry
     TorqueArms torques;
-    Eigen::VectorXd first_damped;  ///< `damped` before a correction
-    Eigen::VectorXd dragged;       ///< velocities in W that α M damps; empty without damping
-    Eigen::VectorXd correction;    ///< of the velocities of the free nodes by it (m/s)
-    Eigen::VectorXd y;             ///< velocities solved for (m/s)
-    Eigen::VectorXd a;             ///< accelerations of the balance (m/s²)
-    Eigen::VectorXd damped;        ///< velocities that β K damps (m/s); empty without damping
+    Eigen::VectorXd first_damped;    ///< `damped` before a correction
+    Eigen::VectorXd first_y;         ///< `y` before a correction, where there are loose ports,
+    Eigen::VectorXd first_attached;  ///< and their forces
+    Eigen::VectorXd dragged;         ///< velocities in W that α M damps; empty without damping
+    Eigen::VectorXd correction;      ///< of the velocities of the free nodes by it (m/s)
+    Eigen::VectorXd y;               ///< velocities solved for (m/s)
+    Eigen::VectorXd a;               ///< accelerations of the balance (m/s²)
+    Eigen::VectorXd damped;          ///< velocities that β K damps (m/s); empty without damping
     LoosePorts::Rates rates;
   };
   /// One step of length h to the motions at its end. `about`: the ports' origins at the beginning
@@ -136,7 +138,7 @@ class TransientStep {
   struct Input {
     const State& begin;
     const MotionSet& end;
-    const MotionSet& seen;             ///< `end` as the balance has it
+    const PortsSeen& seen;             ///< `end` as the balance has it
     const Eigen::VectorXd& f_ext;      ///< at the end (N)
     const Eigen::VectorXd& reference;  ///< of Carry; empty without damping
     const Carried& carried;

@@ -35,6 +35,7 @@ class ChildProcess {
     }
     close(ends[1]);
     output_fd_ = ends[0];
+    fcntl(output_fd_, F_SETFL, O_NONBLOCK);
   }
   ~ChildProcess() {
     if (!ended_) {
@@ -54,6 +55,7 @@ class ChildProcess {
   int wait(double seconds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (!ended_) {
+      drain();  // a full pipe would hold the child
       int status = 0;
       if (waitpid(pid_, &status, WNOHANG) == pid_) {
         ended_ = true;
@@ -67,12 +69,9 @@ class ChildProcess {
     return code_;
   }
 
-  /// All output, after the child has ended (at most what a pipe holds, 64 KiB).
+  /// The output up to now; all of it after wait() has seen the child end.
   const std::string& output() {
-    char buffer[4096];
-    for (ssize_t n = 0; ended_ && (n = read(output_fd_, buffer, sizeof(buffer))) > 0;) {
-      output_.append(buffer, static_cast<std::size_t>(n));
-    }
+    drain();
     return output_;
   }
 
@@ -86,6 +85,13 @@ class ChildProcess {
   }
 
  private:
+  void drain() {
+    char buffer[4096];
+    for (ssize_t n = 0; (n = read(output_fd_, buffer, sizeof(buffer))) > 0;) {
+      output_.append(buffer, static_cast<std::size_t>(n));
+    }
+  }
+
   pid_t pid_ = -1;
   int output_fd_ = -1;
   bool ended_ = false;

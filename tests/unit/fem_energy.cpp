@@ -118,7 +118,8 @@ TEST_P(FemEnergy, BalanceErrorOfACorotationalBodyIsOfSecondOrder) {
     EXPECT_LT(books.largest_imbalance_J, 1e-5 * books.scale_J);
     return books.largest_imbalance_J;
   };
-  const double ratio = imbalance(SimTime(250'000)) / imbalance(SimTime(125'000));
+  // Backward Euler damps the bar's vibrations, and comes to its order only where it resolves them.
+  const double ratio = imbalance(SimTime(62'500)) / imbalance(SimTime(31'250));
   EXPECT_GT(ratio, 3.0);
 }
 
