@@ -20,7 +20,7 @@ ObservedRun observe_run(const Model& model, Mode mode, const std::filesystem::pa
       {.mode = mode, .silent = true, .watch = [&run, deadline_s](const AcceptedInterface& i) {
          if (!i.motions.empty()) run.history.push_back(i);
          run.out_of_time = now_s() >= deadline_s;
-         if (run.out_of_time) throw Error(ErrorKind::NotSolved, "the wall time is spent");
+         if (run.out_of_time) throw Error(ErrorKind::NotSolved, "the wall time is spent.");
        }});
   // A numerical end (3) is a result to show; anything else means that nothing was measured.
   if (outcome.exit_code != 0 && outcome.exit_code != 3) {
