@@ -36,7 +36,8 @@ std::vector<Variant> variants() {
           {"tracked_vehicle/scenario", chain, 2000}};
 }
 
-constexpr double kMost_s = 40.0;
+/// Wall time for an advice.
+double most_s() { return std::getenv("TANDEM_LONG") == nullptr ? 40.0 : 120.0; }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -69,7 +70,7 @@ TEST_P(AdviseHolds, RunsToTheEndWithWhatIsRecommended) {
                                       "advise",
                                       scenario,
                                       "--most-s",
-                                      std::to_string(kMost_s),
+                                      std::to_string(most_s()),
                                       "--out",
                                       (folder / "a").string()};
   std::vector<std::string> changes;
@@ -78,9 +79,9 @@ TEST_P(AdviseHolds, RunsToTheEndWithWhatIsRecommended) {
   }
   command.insert(command.end(), changes.begin(), changes.end());
   const auto start = std::chrono::steady_clock::now();
-  const Ended advised = run_command(command, {}, 5.0 * kMost_s);
+  const Ended advised = run_command(command, {}, 5.0 * most_s());
   ASSERT_EQ(advised.code, 0) << advised.output;
-  EXPECT_LT(seconds_since(start), 2.0 * kMost_s) << advised.output;
+  EXPECT_LT(seconds_since(start), 2.0 * most_s()) << advised.output;
 
   const auto json = nlohmann::json::parse(read_file(folder / "a/advise.json"));
   const auto& recommended = json.at("recommended");
