@@ -3,6 +3,7 @@
 # errors, runs all tests.
 #   ./test.sh                    everything, optimised
 #   ./test.sh --sanitize         unit, contract and process tests under address and UB sanitizers
+#   ./test.sh --long             everything, and what takes more than half an hour: every advice is run
 #   ./test.sh --configure-only   installs what is missing and configures; builds and tests nothing
 # The exit code is that of the tests.
 set -euo pipefail
@@ -16,9 +17,10 @@ configure_only=false
 for option in "$@"; do
   case "$option" in
     --sanitize) preset=asan-ubsan ;;
+    --long) export TANDEM_LONG=1 ;;
     --configure-only) configure_only=true ;;
-    -h | --help) sed -n '2,7s/^# //p' test.sh; exit 0 ;;
-    *) echo "test.sh: unknown option '$option'; there are --sanitize and --configure-only" >&2; exit 2 ;;
+    -h | --help) sed -n '2,8s/^# //p' test.sh; exit 0 ;;
+    *) echo "test.sh: unknown option '$option'; there are --sanitize, --long and --configure-only" >&2; exit 2 ;;
   esac
 done
 

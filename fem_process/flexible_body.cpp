@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "fem_process/elastic_turn.h"
 #include "fem_process/held.h"
 #include "fem_process/macro_step_wrench.h"
 #include "fem_process/step_energy.h"
@@ -165,6 +166,9 @@ Observation FlexibleBody::observe() {
   for (int i = 0; i < model_.mesh.nodes(); ++i) {
     seen.energy.potential_J -= model_.nodal_mass[static_cast<std::size_t>(i)] *
                                model_.params.gravity_m_per_s2.dot(state_.x.segment<3>(3 * i));
+  }
+  if (model_.params.formulation == FormulationKind::Linear) {
+    seen.elastic_turn_rad = largest_turn_rad(model_.mesh, state_.x);
   }
   return seen;
 }

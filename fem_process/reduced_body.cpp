@@ -1,5 +1,6 @@
 #include "fem_process/reduced_body.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "fem_process/held.h"
@@ -37,6 +38,7 @@ WrenchSet ReducedBody::initialize(const MotionSet& motions) {
   state_ = ReducedState{};
   WrenchSet wrenches;
   step_->start(motions, state_, wrenches);
+  state_.turned_rad = reduced_->elastic_turn().largest_rad(state_.z);
   saved_ = state_;
   return wrenches;
 }
@@ -98,6 +100,8 @@ void ReducedBody::run(const StepRequest<MotionSet>& request, StepResult<WrenchSe
                      : tangent.jacobian());
     }
     if (j > 1 && moves) take_about(state.ports, request.input.begin, step.wrenches);
+    step.state.turned_rad =
+        std::max(state.turned_rad, reduced_->elastic_turn().largest_rad(step.state.z));
     state = std::move(step.state);
     answer.add(step.wrenches);
   }
@@ -160,6 +164,7 @@ Observation ReducedBody::observe() {
   seen.time = state_.time;
   seen.state_hash = state_.hash();
   seen.energy = state_.book;
+  seen.elastic_turn_rad = state_.turned_rad;
   if (model_.integrator->inertia()) {
     seen.energy.kinetic_J = 0.5 * (V * reduced_->T()).cwiseProduct(V).sum();
   }

@@ -98,6 +98,7 @@ ReducedModel::ReducedModel(const Model& model, const BoundaryModes& modes, const
   for (Eigen::Index c = 0; c < m; ++c) {
     N_.middleCols<3>(first + 3 * c) = components(modes.shapes.col(c));
   }
+  turn_.emplace(model.mesh, N_.rightCols(N_.cols() - 4));
   T_ = N_.transpose() * mass_times(model, N_);
   T_ = (0.5 * (T_ + T_.transpose())).eval();
 

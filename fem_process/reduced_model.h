@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "fem_process/component_modes.h"
+#include "fem_process/elastic_turn.h"
 #include "fem_process/floating_frame.h"
 #include "fem_process/model.h"
 
@@ -48,6 +50,9 @@ class ReducedModel {
   /// Φᵀ (a ×) Φ with the mass: the modes' Coriolis coupling for the axes of F (kg).
   [[nodiscard]] const std::array<Eigen::MatrixXd, 3>& coriolis() const { return coriolis_; }
 
+  /// How far elements turn in F with [ζ; η].
+  [[nodiscard]] const ElasticTurn& elastic_turn() const { return *turn_; }
+
   /// Forces on the fields (N): gravity; loads without and with it at time t.
   [[nodiscard]] const FieldMotion& gravity() const { return gravity_; }
   [[nodiscard]] FieldMotion loads(double t_s) const;
@@ -78,6 +83,7 @@ class ReducedModel {
   Eigen::VectorXd omega2_;
   std::array<Eigen::MatrixXd, 3> coriolis_;
   FieldMotion gravity_;
+  std::optional<ElasticTurn> turn_;
   std::vector<LoadField> loads_;
 };
 

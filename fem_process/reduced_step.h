@@ -15,12 +15,13 @@ namespace tandem::fem {
 /// All that changes in a reduced body. A checkpoint is a copy of it.
 struct ReducedState {
   SimTime time{};
-  MotionSet ports;     ///< the ports' motions
-  State modal;         ///< η (m √kg), its rate and what the integrator remembers of them
-  State fields;        ///< the same of the fields' motion, in W
-  Eigen::VectorXd z;   ///< [ζ; η]
-  WrenchSet wrenches;  ///< at this time
-  EnergyBook book;     ///< works and losses since t = 0; its energies stay 0
+  MotionSet ports;          ///< the ports' motions
+  State modal;              ///< η (m √kg), its rate and what the integrator remembers of them
+  State fields;             ///< the same of the fields' motion, in W
+  Eigen::VectorXd z;        ///< [ζ; η]
+  WrenchSet wrenches;       ///< at this time
+  EnergyBook book;          ///< works and losses since t = 0; its energies stay 0
+  double turned_rad = 0.0;  ///< largest elastic turn of an element since t = 0, see ElasticTurn
   [[nodiscard]] std::uint64_t hash() const;
 };
 

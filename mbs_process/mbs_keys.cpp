@@ -229,12 +229,19 @@ Key mbs_keys() {
           .above(0)
           .doc_is("Step of the multibody integrator, a whole fraction of the macro step. Left out: "
                   "the macro step."),
-      scenario::choice("integrator", {"euler", "verlet"})
+      scenario::choice("integrator", {"euler", "verlet", "generalised_alpha"})
           .by_default("euler")
           .doc_is(
               "ODE's own semi-implicit Euler step, first order and robust, or velocity Verlet on "
               "two steps of ODE, second order; for vibration together with a second-order "
-              "fem.integrator."),
+              "fem.integrator. generalised_alpha: Verlet with port wrenches that damp what is too "
+              "fast for the step; for light bodies on stiff flexible ones, with fem.integrator of "
+              "the same kind."),
+      scenario::real("rho_infinity", "")
+          .only_when("integrator", {"generalised_alpha"})
+          .between(0, 1)
+          .by_default("0.8")
+          .doc_is("What a step of generalised_alpha keeps of infinitely fast motion; 1: undamped."),
       scenario::real("newmark_beta", "")
           .only_when("integrator", {"verlet"})
           .between(0, 0.25)

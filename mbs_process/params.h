@@ -120,8 +120,9 @@ struct ForceParams {
 
 /// How a micro step is made of ODE's steps; see RigidWorld.
 enum class IntegratorKind {
-  Euler,  ///< semi-implicit Euler, ODE's own: one dWorldStep, first order
-  Verlet  ///< velocity Verlet with constrained velocities: two dWorldSteps, second order
+  Euler,            ///< semi-implicit Euler, ODE's own: one dWorldStep, first order
+  Verlet,           ///< velocity Verlet with constrained velocities: two dWorldSteps, second order
+  GeneralisedAlpha  ///< the same with damped port wrenches, see WrenchRule
 };
 
 /// Everything that a RigidWorld is made of.
@@ -131,6 +132,7 @@ struct Params {
   std::optional<SimTime> micro_step;  ///< h; none = one step of ODE per macro step
   IntegratorKind integrator = IntegratorKind::Euler;
   double newmark_beta = 0.25;  ///< of Verlet: how the new wrench acts on the pose, 0 to 1/4
+  double rho_infinity = 0.8;   ///< of GeneralisedAlpha: what a step keeps of infinitely fast motion
   double erp = 0.2;            ///< share of a joint's position error removed in one step
   double cfm = 1e-10;          ///< constraint force mixing (m/s per N), see whole_step()
   std::vector<BodyParams> bodies;

@@ -167,8 +167,13 @@ SimTime read_micro_step(const Node& mbs, SimTime macro_step) {
 Params read_mechanism(const Node& mbs) {
   Params params;
   params.gravity_m_per_s2 = mbs.vector3("gravity_m_per_s2");
-  params.integrator =
-      mbs.text("integrator") == "verlet" ? IntegratorKind::Verlet : IntegratorKind::Euler;
+  const std::string integrator = mbs.text("integrator");
+  params.integrator = integrator == "verlet"              ? IntegratorKind::Verlet
+                      : integrator == "generalised_alpha" ? IntegratorKind::GeneralisedAlpha
+                                                          : IntegratorKind::Euler;
+  if (params.integrator == IntegratorKind::GeneralisedAlpha) {
+    params.rho_infinity = mbs.real("rho_infinity");
+  }
   if (params.integrator == IntegratorKind::Verlet) params.newmark_beta = mbs.real("newmark_beta");
   params.erp = mbs.real("erp");
   params.cfm = mbs.real("cfm");

@@ -74,6 +74,7 @@ State initial_state(const Params& params) {
 RigidWorld::RigidWorld(Params params)
     : params_(checked(std::move(params))),
       loads_(params_),
+      rule_(wrench_rule(params_)),
       world_(params_),
       state_(initial_state(params_)),
       saved_(state_) {
@@ -187,7 +188,7 @@ std::optional<std::string> RigidWorld::integrate(State& state, SimTime macro_ste
   }
   // Semi-implicit Euler takes the wrench as the mean over the macro step, which passes on the
   // impulse that the flexible side has booked; the Verlet step as linear between both ends.
-  const bool constant = params_.integrator != IntegratorKind::Verlet;
+  const bool constant = params_.integrator == IntegratorKind::Euler;
   const MotionSet about = constant && n > 1 ? motions_of(state) : MotionSet{};
   WrenchSet wrenches = input.begin;
   for (std::int64_t j = 1; j <= n; ++j) {
@@ -209,10 +210,10 @@ std::optional<std::string> RigidWorld::integrate_micro_step(State& state, SimTim
   if (booked != nullptr) work.stored_change_J = -loads_.spring_energy_J(state);
   const std::vector<BodyState> begin = state.bodies;
   try {
-    if (params_.integrator == IntegratorKind::Verlet) {
-      verlet_step(state, h_s, wrenches, booked);
-    } else {
+    if (params_.integrator == IntegratorKind::Euler) {
       euler_step(state, h_s, wrenches.end, booked);
+    } else {
+      verlet_step(state, h_s, wrenches, booked);
     }
   } catch (const OdeFault& fault) {
     const std::size_t body = fastest(begin);
@@ -263,13 +264,13 @@ void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches,
 void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches,
                              StepWork* work) {
   const double t_s = to_seconds(state.time);
-  const double share = 2.0 * params_.newmark_beta;
-  const Eigen::VectorXd sum = stack(wrenches.begin) + stack(wrenches.end);
-  const Eigen::VectorXd first =
-      stack(wrenches.begin) + share * (stack(wrenches.end) - stack(wrenches.begin));
+  const bool filters = params_.integrator == IntegratorKind::GeneralisedAlpha;
+  const WrenchSet before = filters && !state.filtered.empty() ? state.filtered : wrenches.begin;
+  const WrenchSet after = rule_.filtered(before, wrenches.begin, wrenches.end);
+  if (filters) state.filtered = after;
   const std::vector<BodyState> begin = state.bodies;
   const MotionSet motions = work == nullptr ? MotionSet{} : motions_of(state);
-  half_kick(state, t_s, h_s, unstack_wrenches(first), begin, Half::First);
+  half_kick(state, t_s, h_s, rule_.first_half(before, after), begin, Half::First);
   track_coordinates(state, h_s);
   const std::vector<BodyState> middle = state.bodies;
   if (work != nullptr) {
@@ -282,7 +283,7 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
     state.bodies[i].v_WB = 2.0 * middle[i].v_WB - begin[i].v_WB;
     state.bodies[i].w_WB = 2.0 * middle[i].w_WB - begin[i].w_WB;
   }
-  half_kick(state, t_s + h_s, h_s, unstack_wrenches(sum - first), middle, Half::Second);
+  half_kick(state, t_s + h_s, h_s, rule_.second_half(before, after), middle, Half::Second);
   // The second half changes velocities alone.
   for (std::size_t i = 0; i < begin.size(); ++i) {
     state.bodies[i].p_WB = middle[i].p_WB;
@@ -292,6 +293,7 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
   work->add(sorted_, middle, h_s, 0.5);
   work->motors_J += work_J(sorted_.motors, state.bodies, h_s);
   work->kinetic_loss_J -= velocity_change_J(params_, middle, state.bodies);
+  const Eigen::VectorXd sum = stack(wrenches.begin) + stack(wrenches.end);
   const Eigen::VectorXd moved = difference(motions, motions_of(state));
   for (Eigen::Index i = 0; 6 * i < sum.size(); ++i) {
     work->interface_J += 0.5 * sum.segment<6>(6 * i).dot(moved.segment<6>(12 * i));

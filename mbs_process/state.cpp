@@ -14,6 +14,10 @@ std::uint64_t hash_of(const State& state) {
     for (double x : body.w_WB) hash.add(x);
   }
   for (const auto& coordinates : state.joint_coordinates) hash.add(coordinates);
+  for (const Wrench& wrench : state.filtered) {
+    for (double x : wrench.f_P_W) hash.add(x);
+    for (double x : wrench.t_P_W) hash.add(x);
+  }
   for (double work : {state.book.external_work_J, state.book.interface_work_J,
                       state.book.damping_loss_J, state.book.numerical_loss_J}) {
     hash.add(work);

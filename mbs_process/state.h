@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocol/contract/energy.h"
+#include "protocol/contract/port.h"
 #include "protocol/contract/sim_time.h"
 
 namespace tandem::mbs {
@@ -38,6 +39,8 @@ struct State {
   /// Coordinates of every joint since t = 0 (rad, slider: m), counted through full turns; 0 where
   /// the joint has none.
   std::vector<std::array<double, 2>> joint_coordinates;
+  /// λ̄ of WrenchRule, of all ports; empty before the first step and with other integrators.
+  WrenchSet filtered;
   EnergyBook book;  ///< works and losses since t = 0; its energies stay 0
 };
 

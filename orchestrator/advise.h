@@ -16,6 +16,7 @@ struct AdviseOptions {
   double accuracy = 1e-3;          ///< wanted error of port positions relative to their travel
   std::int64_t trial_steps = 100;  ///< length of the trial runs in macro steps of the scenario
   double check_s = 60.0;           ///< wall time for runs over the scenario's length
+  double most_s = 180.0;           ///< wall time for everything, the check included
   std::filesystem::path folder;    ///< holds the trial runs and advise.json
 };
 
@@ -53,7 +54,8 @@ struct Advice {
 
 /// Measures the coupling at every port from the two interface derivatives, predicts where the
 /// explicit scheme stays stable, tries the schemes for a while in process, and recommends a scheme
-/// and a macro step, which it shortens until it stands up to a run over the scenario's length.
+/// and a macro step, which it shortens until it stands up to a run over the scenario's length. What
+/// the wall time does not suffice for is left out and said.
 [[nodiscard]] Advice advise(const LoadTrial& load, const AdviseOptions& options);
 
 [[nodiscard]] nlohmann::ordered_json advice_json(const Advice& advice);

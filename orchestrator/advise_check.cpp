@@ -8,6 +8,7 @@
 #include "orchestrator/body_rates.h"
 #include "orchestrator/csv_table.h"
 #include "orchestrator/verdict/verdict.h"
+#include "protocol/contract/cost.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -15,6 +16,9 @@ namespace {
 constexpr double kMostTurn_rad = VerdictLimits::kTurn_rad;
 constexpr double kMostChange = 0.2;
 constexpr int kMostTrials = 20;
+constexpr const char* kOutOfTime = "out_of_time";  // see observe_run
+/// What a step takes more than was foreseen, once a trial has not come to its end.
+constexpr double kSlower = 4.0;
 /// Fewer macro steps than this say nothing of a run.
 constexpr double kFewestSteps = 20.0;
 
@@ -42,13 +46,14 @@ double trial_length_s(double step_s, double length_s, double steps_in_time) {
 }
 
 StepTrial try_step(const LoadTrial& load, const StepCheckOptions& options, double step_s,
-                   double length_s, int number) {
+                   double length_s, int number, double deadline_s) {
   StepTrial trial{.step_s = step_s, .simulated_s = length_s};
   const auto run = [&](double h_s) {
     const std::filesystem::path folder = options.folder / fmt::format("{}-{}", number, h_s);
-    ObservedRun made = observe_run(
-        load(options.scheme, h_s, length_s), Mode::Inproc, folder,
-        fmt::format("check: {}, H = {:g} s over {:g} s", options.scheme, h_s, length_s));
+    ObservedRun made =
+        observe_run(load(options.scheme, h_s, length_s), Mode::Inproc, folder,
+                    fmt::format("check: {}, H = {:g} s over {:g} s", options.scheme, h_s, length_s),
+                    deadline_s);
     trial.wall_s += made.summary.at("wall_s").get<double>();
     return std::pair{std::move(made), folder};
   };
@@ -58,6 +63,7 @@ StepTrial try_step(const LoadTrial& load, const StepCheckOptions& options, doubl
   trial.elastic_peak_J = elastic_peak_J(folder);
   if (!trial.objection().empty()) return trial;
   const auto [half, half_folder] = run(0.5 * step_s);
+  if (half.out_of_time) trial.status = half.summary.at("status").get<std::string>();
   trial.elastic_peak_half_J = elastic_peak_J(half_folder);
   const std::vector<PortInfo> ports = make_fem(load("", step_s, step_s), {})->info().ports;
   const double travel_m = largest_travel_m(half.history, ports);
@@ -101,16 +107,22 @@ std::string StepTrial::objection() const {
 StepCheck check_step(const LoadTrial& load, const StepCheckOptions& options) {
   StepCheck check;
   double step_s = options.step_s;
-  double left_s = options.most_s;
+  const double end_s = now_s() + options.most_s;
   double per_step_s = options.wall_per_step_s;
   for (int n = 0; n < kMostTrials && step_s >= options.shortest_s; ++n) {
-    // A step and two halves of it.
-    const double length_s = trial_length_s(step_s, options.length_s, left_s / (3.0 * per_step_s));
+    // A step and two halves of it, in half of the time that is left: a trial that takes longer than
+    // was foreseen is made again, over less.
+    const double allowed_s = 0.5 * std::max(0.0, end_s - now_s());
+    const double length_s =
+        trial_length_s(step_s, options.length_s, allowed_s / (3.0 * per_step_s));
     const double asked = std::round(options.length_s / step_s);
     if (length_s < std::min(kFewestSteps, asked) * step_s * (1.0 - 1e-9)) return check;
-    const StepTrial trial = try_step(load, options, step_s, length_s, n + 1);
+    const StepTrial trial = try_step(load, options, step_s, length_s, n + 1, now_s() + allowed_s);
+    if (trial.status == kOutOfTime) {
+      per_step_s *= kSlower;
+      continue;
+    }
     check.trials.push_back(trial);
-    left_s -= trial.wall_s;
     per_step_s = std::max(per_step_s, trial.wall_s * step_s / (3.0 * length_s));
     if (trial.objection().empty()) {
       check.step_s = step_s;

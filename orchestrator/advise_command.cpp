@@ -64,6 +64,10 @@ void add_advise(CLI::App& app) {
                   "Wall time for runs of the recommended step over the scenario's length (s)")
       ->check(number_above_zero())
       ->capture_default_str();
+  sub->add_option("--most-s", command->options.most_s,
+                  "Wall time for everything (s); what it does not suffice for is said")
+      ->check(number_above_zero())
+      ->capture_default_str();
   sub->add_option("--out", command->scenario.out, "Folder [runs/<scenario>/advise-<UTC time>]");
   sub->footer("Both sides run in this process; nothing is sent.");
   sub->callback([command] { command->run(); });

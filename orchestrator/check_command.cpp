@@ -147,7 +147,7 @@ std::string check_coupled(const ScenarioOptions& options) {
     text += describe(body->model(), origins);
     const scenario::Node mbs_keys = model.scenario.root.section("mbs");
     if (body->model().params.nodal &&
-        (mbs_keys.has("micro_step_s") || mbs_keys.text("integrator") == "verlet")) {
+        (mbs_keys.has("micro_step_s") || mbs_keys.text("integrator") != "euler")) {
       text +=
           "  note: with mbs.micro_step_s or mbs.integrator: verlet, explicit_serial is unstable at "
           "every step unless damping outweighs it; use interface_jacobian\n";

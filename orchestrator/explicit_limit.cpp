@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "orchestrator/observed_run.h"
-
 namespace tandem::orchestrator {
 namespace {
 
@@ -52,21 +50,25 @@ std::vector<InterfaceRatios> ratios_over_step(const LoadTrial& load, double step
 }
 
 ExplicitLimit explicit_limit(const LoadTrial& load, const std::vector<InterfaceRatios>& ratios,
-                             Prediction prediction, const std::filesystem::path& folder) {
+                             Prediction prediction, const std::filesystem::path& folder,
+                             double deadline_s) {
   ExplicitLimit limit{.predicted_s = predicted_limit(ratios, prediction)};
   const double least_s = ratios.front().step_s, greatest_s = ratios.back().step_s;
   const auto book = [&](double wanted_s) {
     const double h_s = whole_step(wanted_s);
-    const ObservedRun run = observe_run(load("explicit_serial", h_s, kTrialSteps * h_s),
-                                        Mode::Inproc, folder / "stability" / fmt::format("{}", h_s),
-                                        fmt::format("stability: explicit_serial, H = {:g} s", h_s));
-    (run.exit_code == 0 ? limit.stable_s : limit.unstable_s) = h_s;
+    const ObservedRun run =
+        observe_run(load("explicit_serial", h_s, kTrialSteps * h_s), Mode::Inproc,
+                    folder / "stability" / fmt::format("{}", h_s),
+                    fmt::format("stability: explicit_serial, H = {:g} s", h_s), deadline_s);
+    limit.out_of_time = run.out_of_time;
+    if (!run.out_of_time) (run.exit_code == 0 ? limit.stable_s : limit.unstable_s) = h_s;
   };
   double h_s = limit.predicted_s > 0.0 ? limit.predicted_s : std::sqrt(least_s * greatest_s);
   book(h_s);
-  while (limit.unstable_s == 0.0 && h_s < greatest_s) book(h_s *= 2.0);
-  while (limit.stable_s == 0.0 && h_s > least_s) book(h_s *= 0.5);
-  while (limit.stable_s > 0.0 && limit.unstable_s > kBracketRatio * limit.stable_s) {
+  const auto open = [&] { return !limit.out_of_time; };
+  while (open() && limit.unstable_s == 0.0 && h_s < greatest_s) book(h_s *= 2.0);
+  while (open() && limit.stable_s == 0.0 && h_s > least_s) book(h_s *= 0.5);
+  while (open() && limit.stable_s > 0.0 && limit.unstable_s > kBracketRatio * limit.stable_s) {
     const double between_s = whole_step(std::sqrt(limit.stable_s * limit.unstable_s));
     if (between_s <= limit.stable_s || between_s >= limit.unstable_s) break;
     book(between_s);

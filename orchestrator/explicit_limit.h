@@ -7,6 +7,7 @@
 
 #include "orchestrator/interface_ratios.h"
 #include "orchestrator/model.h"
+#include "orchestrator/observed_run.h"
 
 namespace tandem::orchestrator {
 
@@ -23,10 +24,12 @@ struct ExplicitLimit {
   double predicted_s = 0.0;  ///< where explicit_amplification passes 1; 0 = above 1 everywhere
   double stable_s = 0.0;     ///< largest H at which a trial run went through; 0 = none did
   double unstable_s = 0.0;   ///< smallest H at which one diverged; 0 = none did
+  bool out_of_time = false;  ///< before the two were near each other
 };
 [[nodiscard]] ExplicitLimit explicit_limit(const LoadTrial& load,
                                            const std::vector<InterfaceRatios>& ratios,
                                            Prediction prediction,
-                                           const std::filesystem::path& folder);
+                                           const std::filesystem::path& folder,
+                                           double deadline_s = kNoDeadline);
 
 }  // namespace tandem::orchestrator

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "protocol/schemes/evaluation.h"
+#include "protocol/schemes/newton_path.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -47,7 +48,7 @@ MacroStepEnd not_converged(MacroStepEnd end, double round_off_N) {
 
 MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                      FemSide& fem) {
-  WrenchSet lambda = predict_wrenches(Prediction::Linear, state, H);
+  NewtonPath path(predict_wrenches(Prediction::Linear, state, H));
   Eigen::PartialPivLU<Eigen::MatrixXd> coupled;
   double round_off_N = 0.0, pose_N = 0.0;
   double smallest_N = std::numeric_limits<double>::infinity();
@@ -55,31 +56,47 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
   floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
+    const WrenchSet lambda = path.lambda();
+    const Linearize both{.mbs = linearize, .fem = linearize};
     const Evaluation evaluation =
-        evaluate(H, state, lambda, {.mbs = linearize, .fem = linearize}, mbs, fem, ports_);
+        k == 1 ? evaluate_first(H, state, lambda, Prediction::Linear, both, mbs, fem, ports_)
+               : evaluate(H, state, lambda, both, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
     if (linearize) {
       coupled.compute(coupled_matrix(evaluation.mbs_jacobian, evaluation.fem_jacobian));
-      round_off_N = wrench_round_off_N(evaluation.motions, evaluation.fem_jacobian, ports_);
-      pose_N = pose_round_off_N(H, evaluation.motions, evaluation.fem_jacobian, ports_);
+      round_off_N = wrench_round_off_N(evaluation.seen, evaluation.fem_jacobian, ports_);
+      pose_N = pose_round_off_N(H, evaluation.seen, evaluation.fem_jacobian, ports_);
+    }
+    Eigen::VectorXd residual = evaluation.residual;
+    if (evaluation.apart) {
+      residual = newton_residual(evaluation, evaluation.fem_jacobian);
+      end.residual_N = wrench_norm_N(unstack_wrenches(residual), ports_);
+      if (!std::isfinite(end.residual_N)) return end;
     }
     // Newton's residual falls by orders of magnitude until round-off; then it only wavers.
     const bool falls = end.residual_N <= kFast * smallest_N;
     const bool small =
         end.residual_N <= std::max(round_off_N, kRoundOffResidual * evaluation.wrench_N);
-    const bool wavers = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
-    if (end.residual_N == 0.0 || (small && !falls) || wavers) return end;
+    const bool wavers = !evaluation.apart &&
+                        floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
+    const bool ended = end.residual_N == 0.0 || (small && !falls) || wavers;
+    if (ended && !evaluation.apart) return end;
     if (k == kMostIterations) {
       return not_converged(std::move(end), std::max(round_off_N, pose_N));
     }
+    if (path.turns_back(end.residual_N)) {
+      linearize = path.linearise();
+      continue;
+    }
+    if (linearize) path.linearised(end.residual_N);
     linearize = !falls;
     smallest_N = std::min(smallest_N, end.residual_N);
-    const Eigen::Index n_l = evaluation.residual.size();
+    const Eigen::Index n_l = residual.size();
     const Eigen::Index n_m = 2 * n_l;
     Eigen::VectorXd right_side = Eigen::VectorXd::Zero(n_m + n_l);
-    right_side.tail(n_l) = evaluation.residual;
-    lambda = unstack_wrenches(stack(lambda) + coupled.solve(right_side).tail(n_l));
+    right_side.tail(n_l) = residual;
+    path.go(coupled.solve(right_side).tail(n_l), end.residual_N);
   }
 }
 

@@ -4,20 +4,24 @@
 #include <cmath>
 #include <cstdio>
 
+#include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/segment.h"
 
 namespace tandem::orchestrator {
 
 ObservedRun observe_run(const Model& model, Mode mode, const std::filesystem::path& folder,
-                        const std::string& title) {
+                        const std::string& title, double deadline_s) {
   std::fprintf(stderr, "%s\n", title.c_str());
   const RunDirectory directory = RunDirectory::create(folder, model.name);
   ObservedRun run;
   RunOutcome outcome = run_model(
-      model, directory, {.mode = mode, .silent = true, .watch = [&run](const AcceptedInterface& i) {
-                           if (!i.motions.empty()) run.history.push_back(i);
-                         }});
+      model, directory,
+      {.mode = mode, .silent = true, .watch = [&run, deadline_s](const AcceptedInterface& i) {
+         if (!i.motions.empty()) run.history.push_back(i);
+         run.out_of_time = now_s() >= deadline_s;
+         if (run.out_of_time) throw Error(ErrorKind::NotSolved, "the wall time is spent.");
+       }});
   // A numerical end (3) is a result to show; anything else means that nothing was measured.
   if (outcome.exit_code != 0 && outcome.exit_code != 3) {
     throw Error(outcome.exit_code == 2 ? ErrorKind::Usage : ErrorKind::Partner,
@@ -25,6 +29,7 @@ ObservedRun observe_run(const Model& model, Mode mode, const std::filesystem::pa
   }
   run.exit_code = outcome.exit_code;
   run.summary = std::move(outcome.summary);
+  if (run.out_of_time) run.summary["status"] = "out_of_time";
   return run;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,18 +14,23 @@ namespace tandem::orchestrator {
 /// What the ports did in a run, one entry per macro step and one at t = 0.
 using History = std::vector<AcceptedInterface>;
 
+/// A time of now_s() that never comes.
+inline constexpr double kNoDeadline = std::numeric_limits<double>::infinity();
+
 /// A run made for a comparison.
 struct ObservedRun {
-  int exit_code = 0;  ///< 0, or 3: a numerical end, which is a result to show
+  int exit_code = 0;         ///< 0, or 3: a numerical end, which is a result to show
+  bool out_of_time = false;  ///< broken off at the deadline; the exit code is 3 then
   nlohmann::ordered_json summary;
   History history;
 };
 
-/// Runs the model into `folder` and says `title` on standard error. Throws what keeps a comparison
+/// Runs the model into `folder` and says `title` on standard error; the run is broken off at the
+/// first macro step after now_s() has reached `deadline_s`. Throws what keeps a comparison
 /// from going on: bad input, a process that failed, an interruption.
 [[nodiscard]] ObservedRun observe_run(const Model& model, Mode mode,
-                                      const std::filesystem::path& folder,
-                                      const std::string& title);
+                                      const std::filesystem::path& folder, const std::string& title,
+                                      double deadline_s = kNoDeadline);
 
 /// The motions at time t, which lies within the history: between two macro steps the cubic Hermite
 /// polynomial of positions and velocities and the slerp of rotations, at a macro step its own bits.

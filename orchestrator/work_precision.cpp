@@ -17,7 +17,7 @@ ObservedRun reference_run(const Model& model, const WorkPrecisionOptions& option
   const double step_s = to_seconds(model.run.macro_step);
   ObservedRun run =
       observe_run(model, Mode::Monolithic, options.folder / "reference" / fmt::format("{}", step_s),
-                  fmt::format("reference: monolithic, H = {} s", step_s));
+                  fmt::format("reference: monolithic, H = {} s", step_s), options.deadline_s);
   if (run.exit_code != 0) {
     throw Error(ErrorKind::NotSolved,
                 fmt::format("compare --steps: the reference, the monolithic run at H = {} s, was "
@@ -48,7 +48,8 @@ PrecisionRow measure(const Model& model, const std::string& scheme, Mode mode,
   for (std::int64_t repetition = 1; repetition <= options.repeat; ++repetition) {
     const ObservedRun run =
         observe_run(model, mode, options.folder / scheme / fmt::format("{}-{}", name, repetition),
-                    fmt::format("{}, {}, {} of {}", scheme, length, repetition, options.repeat));
+                    fmt::format("{}, {}, {} of {}", scheme, length, repetition, options.repeat),
+                    options.deadline_s);
     const auto& s = run.summary;
     row.exit_code = run.exit_code;
     row.status = s.at("status").get<std::string>();

@@ -19,6 +19,7 @@ struct WorkPrecisionOptions {
   Mode mode = Mode::Lcm;             ///< how the schemes run: Lcm or Inproc
   std::int64_t repeat = 1;           ///< repetitions; the wall time is their median
   std::filesystem::path folder;      ///< holds the runs and the results
+  double deadline_s = kNoDeadline;   ///< time of now_s() at which runs are broken off
 };
 
 /// One scheme at one macro step, or at one tolerance of adaptive steps.

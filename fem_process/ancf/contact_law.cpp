@@ -142,14 +142,22 @@ bool tooth_force(const Teeth& teeth, double base_radius_m, const Motion& wheel,
   if (depth <= 0.0) return false;
   const double side = angle < 0.0 ? -1.0 : 1.0;
   const Eigen::Vector3d along = axis.cross(radial / rho);
-  const double rate = side * along.dot(v - wheel.v_WP - wheel.w_WP.cross(d));
+  const Eigen::Vector3d w = v - wheel.v_WP - wheel.w_WP.cross(d);
+  const double rate = side * along.dot(w);
   const Damping c = damping_at(depth, teeth.damping_N_s_per_m, teeth.damping_depth_m);
   const double push = teeth.stiffness_N_per_m * depth + c.value * rate;
   if (push <= 0.0) return false;
   const Eigen::Matrix3d direction = along * along.transpose();
   out.force = -side * engaged * push * along;
-  out.stored_J = 0.5 * engaged * teeth.stiffness_N_per_m * depth * depth;
-  out.loss_W = engaged * c.value * rate * rate;
+  const double stored_unit_J = 0.5 * teeth.stiffness_N_per_m * depth * depth;
+  out.stored_J = engaged * stored_unit_J;
+  // The force is tangential: it does not do the work that the energy of its depth changes by.
+  const double leaving = radial.dot(w) / rho;
+  const double deeper = std::sin(std::abs(angle)) * leaving + std::cos(angle) * rate;
+  const double fading = engaged < 1.0 ? -leaving / teeth.pin_radius_m : 0.0;
+  const double stored_W =
+      engaged * teeth.stiffness_N_per_m * depth * deeper + fading * stored_unit_J;
+  out.loss_W = engaged * push * rate - stored_W;
   out.by_position = -engaged * (teeth.stiffness_N_per_m + c.by_depth * rate) * direction;
   out.by_velocity = -engaged * c.value * direction;
   return true;

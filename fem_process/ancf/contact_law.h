@@ -77,8 +77,10 @@ struct ToothForce {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();        ///< on the pin (N)
   Eigen::Matrix3d by_position = Eigen::Matrix3d::Zero();  ///< N/m
   Eigen::Matrix3d by_velocity = Eigen::Matrix3d::Zero();  ///< N s/m
-  double stored_J = 0.0;                                  ///< ½ k d² g
-  double loss_W = 0.0;                                    ///< (F − k d g) d'
+  double stored_J = 0.0;                                  ///< U = ½ k d² g
+  /// F V·w sign Δ − dU/dt: what damping takes, and what the tangential force does not do of the
+  /// change of U, which depends on ρ too. A pin that leaves its seat outwards takes U with it.
+  double loss_W = 0.0;
 };
 /// Angle of a pin from its nearest seat (rad), about the y axis of the wheel's frame.
 [[nodiscard]] double seat_angle(const Teeth& teeth, const Motion& wheel, const Eigen::Vector3d& r);

@@ -79,7 +79,7 @@ RunBooks books_of_model(const Model& model, bool monolithic) {
   books.explicit_scheme = !monolithic && (scheme == SchemeKind::ExplicitSerial ||
                                           scheme == SchemeKind::ExplicitParallel);
   books.adaptive = model.coupling.adaptive.active();
-  books.mbs_second_order = root.section("mbs").text("integrator") == "verlet";
+  books.mbs_second_order = root.section("mbs").text("integrator") != "euler";
   books.fem_second_order = is_second_order(fem);
   if (fem.text("model") == "ancf") {
     books.contact = has_contact(fem);
@@ -105,6 +105,7 @@ RunBooks books_of_run(const Model& model, bool monolithic, const ordered_json& s
     books.parasitic_mass_kg = number_at(summary, "parasitic_mass_kg");
   }
   books.largest_step_s = number_at(summary, "largest_step_s");
+  books.elastic_turn_rad = number_at(summary, "elastic_turn_rad");
   const ordered_json& turn = summary.at("largest_turn");
   books.largest_turn_rad = number_at(turn, "rad");
   books.turning = "port '" + turn.at("port").get<std::string>() + "'";

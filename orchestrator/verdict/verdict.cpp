@@ -136,6 +136,16 @@ void judge_model(const RunBooks& books, std::vector<Cause>& causes) {
                                books.adaptive ? "coupling.adaptive.max_step_s" : "run.macro_step_s",
                                step_s)});
   }
+  if (exceeds(books.elastic_turn_rad, Limits::kElasticTurn_rad)) {
+    causes.push_back(
+        {.name = "elastic_turn",
+         .value = books.elastic_turn_rad,
+         .threshold = Limits::kElasticTurn_rad,
+         .text = fmt::format("elements turn by up to {:.3g} rad in a body whose shapes add up "
+                             "linearly, so what bends grows longer and moves otherwise",
+                             books.elastic_turn_rad),
+         .remedy = "use fem.formulation: corotational."});
+  }
   if (!books.parasitic_mass_kg || !(books.lightest_port_body_kg > 0.0)) return;
   const double mass = *books.parasitic_mass_kg / books.lightest_port_body_kg;
   if (exceeds(mass, Limits::kParasiticMass)) {

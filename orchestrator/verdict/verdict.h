@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "fem_process/elastic_turn.h"
+
 namespace tandem::orchestrator {
 
 /// What a finished run says of itself: its books, what its steps did, and what of its model decides
@@ -28,6 +30,7 @@ struct RunBooks {
   double largest_turn_rad = 0.0;  ///< of a body or port in a macro step
   std::string turning;            ///< "port 'hub'"
   double largest_step_s = 0.0;    ///< H
+  double elastic_turn_rad = 0.0;  ///< of an element whose shapes add up linearly
 
   std::int64_t macro_steps = 0;
   std::int64_t not_converged_steps = 0;
@@ -54,6 +57,7 @@ struct VerdictLimits {
   static constexpr double kBalanceError = 0.01;
   /// What a step turns by H ω it misses by up to (H ω)²/2: 2 % here.
   static constexpr double kTurn_rad = 0.2;
+  static constexpr double kElasticTurn_rad = fem::kMostElasticTurn_rad;
   static constexpr double kParasiticMass = 0.1;  ///< part of the lightest body that carries a port
 };
 

@@ -70,7 +70,7 @@ std::optional<Finding> orders_differ(const scenario::Node& root) {
   const scenario::Node fem = root.section("fem");
   // Chains have one integrator, nodes of the multibody side and statics none.
   if (fem.text("model") == "ancf" || carries_no_mass(fem)) return std::nullopt;
-  const bool rigid = mbs.text("integrator") == "verlet";
+  const bool rigid = mbs.text("integrator") != "euler";
   const bool flexible = is_second_order(fem);
   if (rigid == flexible) return std::nullopt;
   const std::string text =

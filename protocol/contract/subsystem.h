@@ -56,6 +56,9 @@ struct Observation {
   SimTime time{};
   EnergyBook energy;
   std::uint64_t state_hash = 0;  ///< of every bit that influences the future
+  /// Largest elastic turn of an element since t = 0 (rad), of a body whose shapes add up linearly
+  /// and which is therefore good for small ones only; 0: any turn is right.
+  double elastic_turn_rad = 0.0;
 };
 
 /// How a side took a command.

@@ -9,6 +9,7 @@
 
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
+#include "protocol/schemes/alternation.h"
 #include "protocol/schemes/divergence_monitor.h"
 #include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/step_controller.h"
@@ -78,7 +79,8 @@ class CoupledRun {
         mbs_(metered_mbs_, journal_),
         fem_(metered_fem_, journal_),
         scheme_(params.make_scheme(ports_)),
-        monitor_(params.coupling.divergence_growth, ports_) {
+        monitor_(params.coupling.divergence_growth, ports_),
+        alternation_(ports_) {
     require_same_ports(mbs.side.info().ports);
     report_.scheme = params.scheme_name;
     if (params.scheme_name == to_string(SchemeKind::Tlm)) report_.parasitic_mass_kg = 0.0;
@@ -209,7 +211,7 @@ class CoupledRun {
                          params_.scheme_name, what, to_seconds(t_end), n, end.iterations);
     };
     if (end.outcome == Outcome::Failed) {
-      stop(RunStatus::SolverFailed, located("a side failed") + end.message);
+      stop(RunStatus::SolverFailed, located("a side failed") + end.message + remark());
       return;
     }
     if (const auto divergence = monitor_.check(H, end)) {
@@ -220,8 +222,15 @@ class CoupledRun {
     if (end.outcome != Outcome::NotConverged) return;
     if (report_.not_converged_message.empty()) report_.not_converged_message = end.message;
     if (params_.coupling.on_not_converged == OnNotConverged::Stop) {
-      stop(RunStatus::NotConverged, located("not converged") + end.message);
+      stop(RunStatus::NotConverged, located("not converged") + end.message + remark());
     }
+  }
+
+  /// Explicit schemes alternate by themselves: the mass ratio is their cause.
+  [[nodiscard]] std::string remark() const {
+    const SchemeKind kind = params_.coupling.scheme;
+    const bool iterates = kind == SchemeKind::InterfaceNewton || kind == SchemeKind::Implicit;
+    return iterates ? alternation_.remark() : std::string{};
   }
 
   void stop(RunStatus status, std::string message) {
@@ -265,6 +274,7 @@ class CoupledRun {
     report_.book_turn(state_.time - state_.history.front().time, state_.motions, end.motions);
     state_.motions = end.motions;
     state_.wrenches = end.wrenches;
+    alternation_.add(state_);
     look();
   }
 
@@ -303,6 +313,7 @@ class CoupledRun {
     const Observation mbs = mbs_.observe();
     const Observation fem = fem_.observe();
     energy = {.mbs = mbs.energy, .fem = fem.energy};
+    report_.elastic_turn_rad = std::max(report_.elastic_turn_rad, fem.elastic_turn_rad);
     StateHash hash;
     hash.add(mbs.state_hash);
     hash.add(fem.state_hash);
@@ -332,7 +343,8 @@ class CoupledRun {
          fmt::format("{}: unstable: at t = {:.9g} s motion and strain hold {:.3g} J, {}. The steps "
                      "make energy: lower run.macro_step_s or the sides' micro_step_s{}.",
                      params_.scheme_name, to_seconds(state_.time), held_J, share,
-                     params_.scheme_name == newton ? "" : ", or use coupling.scheme: " + newton));
+                     params_.scheme_name == newton ? "" : ", or use coupling.scheme: " + newton) +
+             remark());
   }
 
   void finish() {
@@ -362,6 +374,7 @@ class CoupledRun {
   wire::JournaledFem fem_;
   std::unique_ptr<Scheme> scheme_;
   DivergenceMonitor monitor_;
+  Alternation alternation_;
   std::optional<StepController> controller_;  ///< of adaptive steps
   InterfaceState state_;
   RunReport report_;

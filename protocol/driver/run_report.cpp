@@ -160,6 +160,7 @@ ordered_json to_json(const RunReport& r) {
     json["not_converged_message"] = r.not_converged_message;
     json["largest_step_s"] = to_seconds(r.largest_step);
     json["largest_turn"] = {{"rad", r.largest_turn_rad}, {"port", r.turning_port}};
+    json["elastic_turn_rad"] = r.elastic_turn_rad;
   }
   if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
   json["ledger_s"] = ledger_json(r.ledger);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "protocol/contract/error.h"
@@ -29,6 +30,44 @@ InterfaceJacobian take_jacobian(const char* side, const Result& result) {
   return *result.jacobian;
 }
 
+/// Prediction errors of a port's motion that a wrench must have led it away by.
+constexpr double kTimesExpected = 10.0;
+
+/// The motions that were predicted for t_n, one macro step ago; none while the run is young.
+std::optional<MotionSet> predicted_before(Prediction prediction, const InterfaceState& state) {
+  if (state.history.size() < InterfaceState::kHistory) return std::nullopt;
+  const InterfaceSample& last = state.history.front();
+  const InterfaceState before{.time = last.time,
+                              .motions = last.motions,
+                              .wrenches = last.wrenches,
+                              .history = {state.history.begin() + 1, state.history.end()}};
+  return predict_motions(prediction, before, state.time - last.time);
+}
+
+/// Whether a port has been led away from where the past expects it: by more than kFarOut, and by
+/// far more than the past was wrong by in the last step.
+bool far_out(const MotionSet& expected, const MotionSet& motions, Prediction prediction,
+             const InterfaceState& state, const std::vector<PortInfo>& ports) {
+  const Eigen::VectorXd away = difference(expected, motions);
+  const auto far = [&](Eigen::Index at, double limit) {
+    return away.segment<3>(at).norm() > limit;
+  };
+  std::optional<Eigen::VectorXd> usual;
+  for (std::size_t p = 0; p < ports.size(); ++p) {
+    const auto at = 12 * static_cast<Eigen::Index>(p);
+    const bool moved = far(at, kFarOut * ports[p].length_m), turned = far(at + 3, kFarOut);
+    if (!moved && !turned) continue;
+    if (!usual) {
+      const std::optional<MotionSet> before = predicted_before(prediction, state);
+      if (!before) return false;
+      usual = difference(*before, state.motions);
+    }
+    if (moved && far(at, kTimesExpected * usual->segment<3>(at).norm())) return true;
+    if (turned && far(at + 3, kTimesExpected * usual->segment<3>(at + 3).norm())) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>& fem,
@@ -46,19 +85,50 @@ Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>&
   return evaluation;
 }
 
+namespace {
+
+/// The flexible side's answer to the motions `seen`, joined with that of the multibody side.
+Evaluation answered(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
+                    Linearize linearize, const StepResult<MotionSet>& m, MotionSet seen,
+                    FemSide& fem, const std::vector<PortInfo>& ports) {
+  const auto l =
+      fem.advance({.step = H, .input = {state.motions, seen}, .linearize = linearize.fem});
+  Evaluation evaluation = joined(m, l, lambda, ports);
+  if (evaluation.outcome == Outcome::Failed) return evaluation;
+  evaluation.seen = std::move(seen);
+  if (linearize.mbs) evaluation.mbs_jacobian = take_jacobian("mbs", m);
+  if (linearize.fem) evaluation.fem_jacobian = take_jacobian("fem", l);
+  return evaluation;
+}
+
+}  // namespace
+
 Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
                     Linearize linearize, MbsSide& mbs, FemSide& fem,
                     const std::vector<PortInfo>& ports) {
   const auto m =
       mbs.advance({.step = H, .input = {state.wrenches, lambda}, .linearize = linearize.mbs});
   if (m.outcome == Outcome::Failed) return {.outcome = m.outcome, .message = m.message};
-  const auto l =
-      fem.advance({.step = H, .input = {state.motions, m.output}, .linearize = linearize.fem});
-  Evaluation evaluation = joined(m, l, lambda, ports);
-  if (evaluation.outcome == Outcome::Failed) return evaluation;
-  if (linearize.mbs) evaluation.mbs_jacobian = take_jacobian("mbs", m);
-  if (linearize.fem) evaluation.fem_jacobian = take_jacobian("fem", l);
+  return answered(H, state, lambda, linearize, m, m.output, fem, ports);
+}
+
+Evaluation evaluate_first(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
+                          Prediction motions, Linearize linearize, MbsSide& mbs, FemSide& fem,
+                          const std::vector<PortInfo>& ports) {
+  const auto m =
+      mbs.advance({.step = H, .input = {state.wrenches, lambda}, .linearize = linearize.mbs});
+  if (m.outcome == Outcome::Failed) return {.outcome = m.outcome, .message = m.message};
+  MotionSet expected = predict_motions(motions, state, H);
+  const bool apart = far_out(expected, m.output, motions, state, ports);
+  Evaluation evaluation =
+      answered(H, state, lambda, linearize, m, apart ? std::move(expected) : m.output, fem, ports);
+  evaluation.apart = apart;
   return evaluation;
+}
+
+Eigen::VectorXd newton_residual(const Evaluation& evaluation, const InterfaceJacobian& fem) {
+  if (!evaluation.apart) return evaluation.residual;
+  return evaluation.residual + fem * difference(evaluation.seen, evaluation.motions);
 }
 
 Evaluation evaluate_parallel(SimTime H, const InterfaceState& state, const WrenchSet& lambda,

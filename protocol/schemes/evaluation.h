@@ -11,11 +11,13 @@ namespace tandem {
 struct Evaluation {
   Outcome outcome = Outcome::Failed;  ///< the worse of both sides' outcomes
   std::string message;
-  MotionSet motions;
+  MotionSet motions;  ///< M(λ)
+  MotionSet seen;     ///< m̂ that the flexible side was shown: M(λ) unless that is far out
   WrenchSet wrenches;
-  Eigen::VectorXd residual;  ///< Λ(M(λ)) − λ, stacked
+  Eigen::VectorXd residual;  ///< Λ(m̂) − λ, stacked
   double residual_N = 0.0;   ///< its scaled norm
-  double wrench_N = 0.0;     ///< scaled norm of Λ(M(λ))
+  double wrench_N = 0.0;     ///< scaled norm of Λ(m̂)
+  bool apart = false;        ///< m̂ is not M(λ): no end of a macro step
   InterfaceJacobian mbs_jacobian;
   InterfaceJacobian fem_jacobian;
 };
@@ -31,6 +33,23 @@ struct Linearize {
 [[nodiscard]] Evaluation evaluate(SimTime H, const InterfaceState& state, const WrenchSet& lambda,
                                   Linearize linearize, MbsSide& mbs, FemSide& fem,
                                   const std::vector<PortInfo>& ports);
+
+/// The first evaluation of a Newton iteration, both sides linearised as asked for. A wrench that is
+/// off by Δλ moves a light body m by H² Δλ/m, so M(λ predicted) may be far out where the port never
+/// comes, and the flexible side's derivative there is worth nothing. So where M(λ) is more than
+/// kFarOut from the motions that the past predicts, and by far more than such a prediction missed
+/// in the last macro step, the flexible side is shown the predicted motions: m̂.
+[[nodiscard]] Evaluation evaluate_first(SimTime H, const InterfaceState& state,
+                                        const WrenchSet& lambda, Prediction motions,
+                                        Linearize linearize, MbsSide& mbs, FemSide& fem,
+                                        const std::vector<PortInfo>& ports);
+
+/// Angle (rad), and part of the port's length, from which on it is.
+constexpr double kFarOut = 1e-3;
+
+/// r(λ) of Newton's step δλ = (I − L B)⁻¹ r: Λ(m̂) + L (M(λ) − m̂) − λ.
+[[nodiscard]] Eigen::VectorXd newton_residual(const Evaluation& evaluation,
+                                              const InterfaceJacobian& fem);
 
 /// The answers of both sides as one evaluation; λ is what moved the multibody side.
 [[nodiscard]] Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>& fem,

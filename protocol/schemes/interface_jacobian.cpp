@@ -3,9 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "protocol/schemes/evaluation.h"
+#include "protocol/schemes/newton_path.h"
 #include "protocol/schemes/scheme.h"
 
 namespace tandem {
@@ -16,10 +16,6 @@ namespace {
 /// still lowers the residual to a small part.
 constexpr std::int32_t kPatience = 4;
 constexpr double kFast = 0.1;
-
-/// Newton steps that do not lower the residual to this part from one linearisation to the next go
-/// round between pieces of a law (touching or not, stick or slip): they are halved.
-constexpr double kRound = 0.5;
 
 MacroStepEnd not_converged(MacroStepEnd end, double limit_N, double round_off_N) {
   end.outcome = Outcome::NotConverged;
@@ -70,56 +66,67 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
 
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {
-  WrenchSet lambda = predict_wrenches(params_.prediction, state, H);
+  NewtonPath path(predict_wrenches(params_.prediction, state, H));
   floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
   fem_block_.turn_with(state.motions);
   Linearize linearize{.mbs = mbs_block_.begin_step(H),
                       .fem = fem_block_.begin_step(H, micro_steps_of(fem, H))};
   Eigen::PartialPivLU<Eigen::MatrixXd> newton_matrix;
   double round_off_N = 0.0, pose_N = 0.0;
-  double part = 1.0;  // of a Newton step
-  double last_residual_N = 0.0;
-  double linearised_N = std::numeric_limits<double>::infinity();
+  bool patient = true, changed = true;  // the matrix is to be made anew
   Evaluation last;
-  WrenchSet last_lambda;
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
-    Evaluation evaluation = evaluate(H, state, lambda, linearize, mbs, fem, ports_);
+    const WrenchSet lambda = path.lambda();
+    Evaluation evaluation = k == 1 ? evaluate_first(H, state, lambda, params_.motion_prediction,
+                                                    linearize, mbs, fem, ports_)
+                                   : evaluate(H, state, lambda, linearize, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
-    bool changed = k == 1 || linearize.mbs || linearize.fem;
+    changed |= linearize.mbs || linearize.fem;
     if (k > 1) {
-      const Eigen::VectorXd d_motion = difference(last.motions, evaluation.motions);
-      changed |= mbs_block_.learn(stack(lambda) - stack(last_lambda), d_motion);
-      changed |= fem_block_.learn(d_motion, stack(evaluation.wrenches) - stack(last.wrenches),
+      changed |= mbs_block_.learn(stack(lambda) - stack(path.last()),
+                                  difference(last.motions, evaluation.motions));
+      changed |= fem_block_.learn(difference(last.seen, evaluation.seen),
+                                  stack(evaluation.wrenches) - stack(last.wrenches),
                                   motion_weights(ports_, H));
     }
     if (linearize.mbs) mbs_block_.take(evaluation.mbs_jacobian);
     if (linearize.fem) fem_block_.take(evaluation.fem_jacobian);
     if (k == 1 || linearize.fem) {
-      round_off_N = wrench_round_off_N(evaluation.motions, fem_block_.value(), ports_);
-      pose_N = pose_round_off_N(H, evaluation.motions, fem_block_.value(), ports_);
+      round_off_N = wrench_round_off_N(evaluation.seen, fem_block_.value(), ports_);
+      pose_N = pose_round_off_N(H, evaluation.seen, fem_block_.value(), ports_);
     }
+    const Eigen::VectorXd residual = newton_residual(evaluation, fem_block_.value());
     const double limit_N = residual_limit_N(params_, evaluation, floor_.largest_N()) + round_off_N;
-    const bool round_off = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
-    if (end.residual_N <= limit_N || round_off) return end;
+    if (evaluation.apart) {
+      patient = false;
+      end.residual_N = wrench_norm_N(unstack_wrenches(residual), ports_);
+      if (!std::isfinite(end.residual_N)) return end;
+    } else {
+      const bool round_off =
+          floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
+      if (end.residual_N <= limit_N || round_off) return end;
+    }
     if (k == params_.max_iterations) {
       return not_converged(std::move(end), limit_N, std::max(round_off_N, pose_N));
     }
+    const double last_N = path.residual_N();
+    if (path.turns_back(end.residual_N)) {
+      linearize.mbs = linearize.fem = path.linearise();
+      continue;
+    }
     if (changed) {
       // r(λ + δ) ≈ r(λ) + (L B − I) δ = 0.
-      const Eigen::Index n = evaluation.residual.size();
+      const Eigen::Index n = residual.size();
       newton_matrix.compute(Eigen::MatrixXd::Identity(n, n) -
                             fem_block_.value() * mbs_block_.value());
+      changed = false;
     }
-    if (linearize.fem) {
-      part = end.residual_N > kRound * linearised_N ? 0.5 * part : 1.0;
-      linearised_N = end.residual_N;
-    }
-    last_lambda = lambda;
-    lambda = unstack_wrenches(stack(lambda) + part * newton_matrix.solve(evaluation.residual));
-    linearize.mbs = linearize.fem = k % kPatience == 0 && end.residual_N > kFast * last_residual_N;
-    last_residual_N = end.residual_N;
+    if (linearize.fem) path.linearised(end.residual_N);
+    path.go(newton_matrix.solve(residual), end.residual_N);
+    const bool slow = k > 1 && end.residual_N > kFast * last_N;
+    linearize.mbs = linearize.fem = slow && (!patient || k % kPatience == 0);
     last = std::move(evaluation);
   }
 }

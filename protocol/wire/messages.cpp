@@ -104,6 +104,7 @@ void encode(const Reply& reply, Bytes& message) {
   fixed.damping_loss_J = reply.observation.energy.damping_loss_J;
   fixed.numerical_loss_J = reply.observation.energy.numerical_loss_J;
   fixed.state_hash = static_cast<std::int64_t>(reply.observation.state_hash);
+  fixed.elastic_turn_rad = reply.observation.elastic_turn_rad;
   codec::begin(fixed,
                {{reply.motions.size(), kMotionBytes},
                 {reply.wrenches.size(), kWrenchBytes},
@@ -161,6 +162,7 @@ bool decode(ByteView message, Reply& reply) {
                               .damping_loss_J = fixed->damping_loss_J,
                               .numerical_loss_J = fixed->numerical_loss_J};
   reply.observation.state_hash = static_cast<std::uint64_t>(fixed->state_hash);
+  reply.observation.elastic_turn_rad = fixed->elastic_turn_rad;
   std::span<double> jacobian;
   if (reply.jacobian) {
     jacobian = {reply.jacobian->data(), static_cast<std::size_t>(reply.jacobian->size())};

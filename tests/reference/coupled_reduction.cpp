@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "fem_process/elastic_turn.h"
 #include "tests/support/reduction_case.h"
 
 namespace tandem::coupled_test {
@@ -27,6 +28,22 @@ TEST(CoupledReduction, AgreesWithTheFullBodyAtSmallAndPartsAtLargeDeformation) {
   const double order =
       std::log(distances[1] / distances[0]) / std::log(deflections[1] / deflections[0]);
   EXPECT_NEAR(order, 2.0, 0.3);
+}
+
+// The beam of the example bends over its length: the run says so. A hundred times as stiff it does
+// not. The full body may bend as it likes.
+TEST(CoupledReduction, TellsHowFarElementsTurned) {
+  const auto turn_rad = [](const std::string& formulation, double young_Pa) {
+    CoupledPair pair("pendulum_beam/scenario.yaml", {{"fem.formulation", formulation},
+                                                     {"fem.material.young_Pa", text_of(young_Pa)},
+                                                     {"run.duration_s", "0.5"}});
+    return pair.run(orchestrator::Mode::Inproc, [](const Sample&) {}).elastic_turn_rad;
+  };
+  EXPECT_GT(turn_rad("craig_bampton", 5e6), 3.0 * fem::kMostElasticTurn_rad);
+  const double stiff_rad = turn_rad("craig_bampton", 5e8);
+  EXPECT_LT(stiff_rad, 0.1 * fem::kMostElasticTurn_rad);
+  EXPECT_GT(stiff_rad, 1e-3);
+  EXPECT_EQ(turn_rad("corotational", 5e6), 0.0);
 }
 
 TEST(CoupledReduction, TipConvergesWithTheNumberOfModes) {

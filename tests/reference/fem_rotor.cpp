@@ -34,7 +34,7 @@ double flapping_rad_per_s(double rate_rad_per_s, double guess_rad_per_s) {
   params.material = {.young_Pa = kYoung_Pa, .poisson = 0.0, .density_kg_per_m3 = kDensity};
   params.ports = {{"hub", {"LEFT"}, kRoot}};
   // Turning, and a first push across: the clamped cross-section does not follow it.
-  params.initial_velocity = {.angular_rad_per_s = {0.0, -1e-4, rate_rad_per_s}, .about_m = kRoot};
+  params.initial_velocity = {.angular_rad_per_s = {0.0, -0.02, rate_rad_per_s}, .about_m = kRoot};
   const double h = 2.0 * M_PI / guess_rad_per_s / 200.0;
   params.micro_step = sim_time_from_seconds(h);
   FlexibleBody body(params);

@@ -158,6 +158,40 @@ TEST(AncfTeeth, TurnWithTheWheel) {
   EXPECT_NEAR(seat_angle(kTeeth, wheel, pin_at(kTeeth.phase_rad + 0.3, 0.19)), 0.0, 1e-14);
 }
 
+// What a tooth and a pin do to each other is what the tooth's energy loses, or is booked as lost:
+// F·w = −dU/dt − loss, by central differences of U along the motion of pin and wheel, engaged in
+// full and on the way out, on either flank. Without damping, too: the tangential force is not the
+// gradient of U, a pin that leaves its seat outwards takes U with it.
+TEST(AncfTeeth, BookWhatTheirEnergyLosesAndTheForceDoesNotDo) {
+  for (const double damping : {0.0, 16.0}) {
+    Teeth teeth = kTeeth;
+    teeth.damping_N_s_per_m = damping;
+    for (const double away : {-0.06, 0.02, 0.2}) {
+      for (const double radius : {0.194, 0.2081, 0.2135}) {
+        const Motion wheel = spinning_wheel();
+        const Eigen::Vector3d r = wheel.p_WP + wheel.q_WP * pin_at(teeth.phase_rad + away, radius);
+        const Eigen::Vector3d v(0.7, 0.3, 0.4);
+        const auto stored_J = [&](double dt) {
+          Motion moved = wheel;
+          moved.p_WP += dt * wheel.v_WP;
+          const double angle = dt * wheel.w_WP.norm();
+          moved.q_WP = Eigen::AngleAxisd(angle, wheel.w_WP.normalized()) * wheel.q_WP;
+          ToothForce out;
+          return tooth_force(teeth, 0.19, moved, r + dt * v, v, out) ? out.stored_J : 0.0;
+        };
+        ToothForce out;
+        ASSERT_TRUE(tooth_force(teeth, 0.19, wheel, r, v, out));
+        const Eigen::Vector3d w = v - wheel.v_WP - wheel.w_WP.cross(r - wheel.p_WP);
+        constexpr double kDelta = 1e-7;
+        const double stored_W = (stored_J(kDelta) - stored_J(-kDelta)) / (2.0 * kDelta);
+        const double scale_W = out.force.norm() * w.norm() + std::abs(stored_W);
+        EXPECT_NEAR(out.loss_W, -out.force.dot(w) - stored_W, 1e-6 * scale_W)
+            << away << " rad, " << radius << " m, " << damping << " N s/m";
+      }
+    }
+  }
+}
+
 TEST(AncfContactModel, WheelsAndGroundFeelWhatTheBandLoses) {
   // Momentum and moment of momentum: the generalised forces of a rigid translation and rotation of
   // the band are the sums of the contact forces.

@@ -317,5 +317,24 @@ TEST(FemReducedBody, RefusesAPortThatDoesNotHoldTheBody) {
   EXPECT_THROW(body.initialize({Motion{}}), Error);
 }
 
+// A shape that is a small rigid turning by θ turns every element by θ; a uniform stretch by none.
+TEST(FemElasticTurn, IsHalfTheCurlOfTheDisplacement) {
+  const Model model(reduced_bar(1));
+  const Eigen::Vector3d theta(0.03, -0.02, 0.05);
+  Eigen::MatrixXd shapes(model.mesh.nodes(), 6);
+  Eigen::VectorXd x(3 * model.mesh.nodes());
+  for (int i = 0; i < model.mesh.nodes(); ++i) {
+    const Eigen::Vector3d& X = model.mesh.X[static_cast<std::size_t>(i)];
+    shapes.block<1, 3>(i, 0) = theta.cross(X).transpose();
+    shapes.block<1, 3>(i, 3) = 0.1 * X.transpose();
+    x.segment<3>(3 * i) = X + theta.cross(X) + 0.1 * X;
+  }
+  const ElasticTurn turn(model.mesh, shapes);
+  EXPECT_NEAR(turn.largest_rad(Eigen::Vector2d(1.0, 0.0)), theta.norm(), 1e-14);
+  EXPECT_NEAR(turn.largest_rad(Eigen::Vector2d(0.0, 1.0)), 0.0, 1e-14);
+  EXPECT_NEAR(turn.largest_rad(Eigen::Vector2d(-2.0, 1.0)), 2.0 * theta.norm(), 1e-14);
+  EXPECT_NEAR(largest_turn_rad(model.mesh, x), theta.norm(), 1e-13);
+}
+
 }  // namespace
 }  // namespace tandem::fem

@@ -19,9 +19,17 @@ Params params_of(IntegratorKind kind) {
 
 class MbsEnergy : public ::testing::TestWithParam<IntegratorKind> {};
 INSTANTIATE_TEST_SUITE_P(Integrators, MbsEnergy,
-                         ::testing::Values(IntegratorKind::Euler, IntegratorKind::Verlet),
+                         ::testing::Values(IntegratorKind::Euler, IntegratorKind::Verlet,
+                                           IntegratorKind::GeneralisedAlpha),
                          [](const auto& tested) {
-                           return tested.param == IntegratorKind::Euler ? "Euler" : "Verlet";
+                           switch (tested.param) {
+                             case IntegratorKind::Euler:
+                               return "Euler";
+                             case IntegratorKind::Verlet:
+                               return "Verlet";
+                             default:
+                               return "GeneralisedAlpha";
+                           }
                          });
 
 /// Largest |balance error| over n steps, each from the beginning of the run.

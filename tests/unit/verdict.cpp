@@ -74,6 +74,8 @@ INSTANTIATE_TEST_SUITE_P(
                   }},
         Threshold{"turn_per_step", Limits::kTurn_rad,
                   [](RunBooks& b, double turn) { b.largest_turn_rad = turn; }},
+        Threshold{"elastic_turn", Limits::kElasticTurn_rad,
+                  [](RunBooks& b, double turn) { b.elastic_turn_rad = turn; }},
         Threshold{"parasitic_mass", Limits::kParasiticMass,
                   [](RunBooks& b, double part) {
                     b.lightest_port_body_kg = 4.0;
