@@ -12,7 +12,6 @@
 #include "fem_process/round_off.h"
 #include "fem_process/step_energy.h"
 #include "fem_process/step_matrix.h"
-#include "fem_process/turn.h"
 #include "fem_process/velocity_projection.h"
 #include "protocol/contract/cost.h"
 

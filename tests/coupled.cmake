@@ -9,7 +9,7 @@ tandem_test(coupled_unit
     unit/run_folder.cpp unit/verdict.cpp
   LIBS coupled_support nlohmann_json::nlohmann_json LABELS unit)
 tandem_test(coupled_convergence
-  SOURCES convergence/coupled_adaptive.cpp convergence/coupled_closed_loop.cpp convergence/coupled_free_pair.cpp convergence/coupled_orders.cpp
+  SOURCES convergence/coupled_adaptive.cpp convergence/coupled_closed_loop.cpp convergence/coupled_free_pair.cpp convergence/coupled_tumbling.cpp convergence/coupled_orders.cpp
     convergence/coupled_second_order.cpp convergence/coupled_systems.cpp
   LIBS coupled_support LABELS convergence)
 tandem_test(coupled_reference

@@ -289,7 +289,7 @@ TEST_P(FemTurning, BooksOfASpinUpClose) {
   const Params params = bar(integrator, formulation, order, 0.1);
   const double coarse = spin_up_error(params, 2e-3);
   const double fine = spin_up_error(params, 1e-3);
-  EXPECT_LT(coarse, 1e-5);
+  EXPECT_LT(coarse, integrator.kind == IntegratorKind::BackwardEuler ? 1e-5 : 1e-3);
   EXPECT_LT(fine, std::max(0.3 * coarse, 1e-9));
 }
 
