@@ -96,9 +96,9 @@ TEST(Compare, SchemeNamedTwiceIsRefusedBeforeAnyRun) {
 
 TEST(Advise, BracketsTheLimitOfTheExplicitSchemeAndRecommendsAStepBelowIt) {
   const TemporaryFolder folder("tandem_advise");
-  const Ended ended = tandem_command({"advise", kExamples + "two_masses/scenario.yaml",
-                                      "--trial-steps", "20", "--check-s", "10", "--out",
-                                      (folder / "a").string()});
+  const Ended ended =
+      tandem_command({"advise", kExamples + "two_masses/scenario.yaml", "--trial-steps", "20",
+                      "--check-s", "10", "--out", (folder / "a").string()});
   ASSERT_EQ(ended.code, 0) << ended.output;
   const nlohmann::json json = results_of(folder / "a/advise.json");
   const auto& limit = json.at("explicit_stability");
