@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <utility>
 
 namespace tandem::fem {
 namespace {
@@ -22,16 +23,15 @@ AngularBalance::AngularBalance(const Model& model, const Carry& carry, const Ste
       step_(step),
       h_s_(step.carried.h_s),
       rotates_(carry.rotates()),
+      v_(weighed(step.begin.v)),
+      v_end_(weighed(step.after.v)),
+      internal_((v_end_.Ma - v_.Ma) / h_s_ - step.external - step.react),
       arm_(step.carried.begin.x) {
-  const Eigen::VectorXd p = multiply_scalar(model.pattern(), model.mass, step.begin.v);
-  const Eigen::VectorXd p_end = multiply_scalar(model.pattern(), model.mass, step.after.v);
-  internal_ = (p_end - p) / h_s_ - step.external - step.react;
   if (rotates_) {
-    out_ = step.after.x - step.carried.begin.x;
-    back_ = step.begin.x - step.carried.begin.x;
+    out_ = weighed(step.after.x - step.carried.begin.x);
+    back_ = weighed(step.begin.x - step.carried.begin.x);
   } else {
-    out_ = step.after.x - step.begin.x - h_s_ * step.after.v;
-    back_ = Eigen::VectorXd::Zero(out_.size());
+    out_ = weighed(step.after.x - step.begin.x - h_s_ * step.after.v);
   }
   const std::vector<BodyPart>& parts = carry.parts();
   for (std::size_t s = 0; s < parts.size(); ++s) {
@@ -52,25 +52,14 @@ AngularBalance::AngularBalance(const Model& model, const Carry& carry, const Ste
       shares_.push_back({.port = static_cast<std::size_t>(part.holders[k]),
                          .part = s,
                          .holder = holder,
-                         .mass = rotates_ && !grounded ? held(holder) / mass : 0.0,
-                         .p = shared(part, holder, step.begin.v, p),
-                         .p_end = shared(part, holder, step.after.v, p_end)});
+                         .mass = rotates_ && !grounded ? held(holder) / mass : 0.0});
     }
   }
 }
 
-Eigen::VectorXd AngularBalance::shared(const BodyPart& part, Eigen::Index holder,
-                                       const Eigen::VectorXd& v, const Eigen::VectorXd& Mv) const {
-  if (part.shares.cols() == 1) return Mv;
-  Eigen::VectorXd own = Eigen::VectorXd::Zero(v.size());
-  Eigen::VectorXd p = own;
-  for (std::size_t i = 0; i < part.nodes.size(); ++i) {
-    const Eigen::Index row = 3 * part.nodes[i];
-    const double phi = part.shares(static_cast<Eigen::Index>(i), holder);
-    own.segment<3>(row) = 0.5 * phi * v.segment<3>(row);
-    p.segment<3>(row) = 0.5 * phi * Mv.segment<3>(row);
-  }
-  return p + multiply_scalar(model_.pattern(), model_.mass, own);
+AngularBalance::Weighed AngularBalance::weighed(Eigen::VectorXd a) const {
+  Eigen::VectorXd Ma = multiply_scalar(model_.pattern(), model_.mass, a);
+  return {std::move(a), std::move(Ma)};
 }
 
 /// Calls work(row of the node, φ).
@@ -83,82 +72,99 @@ void AngularBalance::for_nodes(const Share& share, const Work& work) const {
   }
 }
 
+Eigen::Vector3d AngularBalance::moment(const Share& share, const Weighed& a,
+                                       const Weighed& b) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for_nodes(share, [&](Eigen::Index row, double phi) {
+    sum += phi * (at(a.a, row).cross(at(b.Ma, row)) + at(a.Ma, row).cross(at(b.a, row)));
+  });
+  return 0.5 * sum;
+}
+
+Eigen::VectorXd AngularBalance::shared(const Share& share, const Weighed& a) const {
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(a.a.size());
+  Eigen::VectorXd sum = own;
+  for_nodes(share, [&](Eigen::Index row, double phi) {
+    own.segment<3>(row) = 0.5 * phi * at(a.a, row);
+    sum.segment<3>(row) = 0.5 * phi * at(a.Ma, row);
+  });
+  return sum + multiply_scalar(model_.pattern(), model_.mass, own);
+}
+
 void AngularBalance::add(WrenchSet& wrenches) const {
   for (const Share& share : shares_) {
-    Eigen::Vector3d turning = Eigen::Vector3d::Zero();
-    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    for_nodes(share, [&](Eigen::Index row, double) {
-      turning += at(out_, row).cross(at(share.p_end, row)) - at(back_, row).cross(at(share.p, row));
-      moment += at(arm_, row).cross(at(internal_, row));
-    });
-    wrenches[share.port].t_P_W -= turning / h_s_ + share.mass * moment;
+    Eigen::Vector3d torque = moment(share, out_, v_end_) / h_s_;
+    if (rotates_) torque -= moment(share, back_, v_) / h_s_;
+    if (share.mass > 0.0) {
+      for_nodes(share, [&](Eigen::Index row, double) {
+        torque += share.mass * at(arm_, row).cross(at(internal_, row));
+      });
+    }
+    wrenches[share.port].t_P_W -= torque;
   }
 }
 
 void AngularBalance::add_change(const Change& change, WrenchSet& wrenches) const {
   const bool started = change.x_begin.size() > 0;
-  const Eigen::VectorXd dp_end = multiply_scalar(model_.pattern(), model_.mass, change.v_end);
-  Eigen::VectorXd d_out = change.x_end;
-  Eigen::VectorXd d_force = dp_end / h_s_ - change.react;
-  Eigen::VectorXd dp;
-  Eigen::VectorXd d_back;
-  if (!rotates_) d_out -= h_s_ * change.v_end;
+  const Weighed dv_end = weighed(change.v_end);
+  Eigen::VectorXd d_force = dv_end.Ma / h_s_ - change.react;
+  Weighed d_out{change.x_end, {}};
+  Weighed dv;
+  Weighed d_back;
+  if (!rotates_) d_out.a -= h_s_ * change.v_end;
   if (started) {
-    dp = multiply_scalar(model_.pattern(), model_.mass, change.v_begin);
-    d_force -= dp / h_s_;
-    d_out -= rotates_ ? change.x_middle : change.x_begin;
-    d_back = rotates_ ? Eigen::VectorXd(change.x_begin - change.x_middle)
-                      : Eigen::VectorXd::Zero(d_out.size());
+    dv = weighed(change.v_begin);
+    d_force -= dv.Ma / h_s_;
+    d_out.a -= rotates_ ? change.x_middle : change.x_begin;
+    if (rotates_) d_back = weighed(change.x_begin - change.x_middle);
   }
+  d_out = weighed(std::move(d_out.a));
   if (change.damping.size() > 0) d_force += change.damping;
   for (const Share& share : shares_) {
-    const BodyPart& part = carry_.parts()[share.part];
-    const Eigen::VectorXd own_end = shared(part, share.holder, change.v_end, dp_end);
-    Eigen::VectorXd own;
-    if (started) own = shared(part, share.holder, change.v_begin, dp);
-    Eigen::Vector3d turning = Eigen::Vector3d::Zero();
-    Eigen::Vector3d moment = Eigen::Vector3d::Zero();
-    for_nodes(share, [&](Eigen::Index row, double) {
-      turning += at(d_out, row).cross(at(share.p_end, row)) + at(out_, row).cross(at(own_end, row));
-      moment += at(arm_, row).cross(at(d_force, row));
-      if (!started) return;
-      turning -= at(d_back, row).cross(at(share.p, row)) + at(back_, row).cross(at(own, row));
-      // The centre's own change meets Σ internal = 0.
-      moment += at(change.x_middle, row).cross(at(internal_, row));
-    });
-    wrenches[share.port].t_P_W -= turning / h_s_ + share.mass * moment;
+    Eigen::Vector3d torque = (moment(share, d_out, v_end_) + moment(share, out_, dv_end)) / h_s_;
+    if (started && rotates_) {
+      torque -= (moment(share, d_back, v_) + moment(share, back_, dv)) / h_s_;
+    }
+    if (share.mass > 0.0) {
+      for_nodes(share, [&](Eigen::Index row, double) {
+        torque += share.mass * at(arm_, row).cross(at(d_force, row));
+        // The centre's own change meets Σ internal = 0.
+        if (!started) return;
+        torque += share.mass * at(change.x_middle, row).cross(at(internal_, row));
+      });
+    }
+    wrenches[share.port].t_P_W -= torque;
   }
 }
 
 AngularBalance::Rows AngularBalance::rows() const {
   const std::size_t ports = model_.ports.size();
-  std::vector<int> free(static_cast<std::size_t>(model_.mesh.nodes()), -1);
-  for (std::size_t k = 0; k < model_.free.size(); ++k) {
-    free[static_cast<std::size_t>(model_.free[k])] = static_cast<int>(k);
-  }
   const auto count = static_cast<Eigen::Index>(ports);
   Rows rows;
-  rows.free.setZero(3 * count, 3 * static_cast<Eigen::Index>(model_.free.size()));
+  rows.free.setZero(3 * static_cast<Eigen::Index>(model_.free.size()), 3 * count);
   rows.ports.setZero(3 * count, 6 * count);
-  rows.arms.setZero(out_.size(), count);
-  rows.momenta.setZero(out_.size(), count);
+  rows.arms.setZero(out_.a.size(), count);
+  rows.momenta.setZero(out_.a.size(), count);
   rows.mass.setZero(count);
-  rows.part_of_node.resize(free.size());
   rows.part_of_port.resize(ports);
+  rows.part_of_node.resize(static_cast<std::size_t>(model_.mesh.nodes()));
   for (std::size_t s = 0; s < carry_.parts().size(); ++s) {
     for (int node : carry_.parts()[s].nodes) rows.part_of_node[static_cast<std::size_t>(node)] = s;
   }
+  std::vector<int> free(rows.part_of_node.size(), -1);
+  for (std::size_t k = 0; k < model_.free.size(); ++k) {
+    free[static_cast<std::size_t>(model_.free[k])] = static_cast<int>(k);
+  }
+  const Eigen::VectorXd M_arm = multiply_scalar(model_.pattern(), model_.mass, arm_);
   for (const Share& share : shares_) {
     const BodyPart& part = carry_.parts()[share.part];
     const Eigen::Matrix3d half = rotates_
                                      ? Eigen::Matrix3d(h_s_ * step_.carried.turns[share.part].half)
                                      : Eigen::Matrix3d(h_s_ * Eigen::Matrix3d::Identity());
     const auto port = static_cast<Eigen::Index>(share.port);
-    // Σ out × (φ M δv + M φ δv)/2 + μ Σ arm × M δv = Σ (M(…)) × δv, M being symmetric.
-    const Eigen::VectorXd M_out = multiply_scalar(model_.pattern(), model_.mass, out_);
-    const Eigen::VectorXd M_arm = multiply_scalar(model_.pattern(), model_.mass, arm_);
-    rows.arms.col(port) = shared(part, share.holder, out_, M_out) + share.mass * M_arm;
-    rows.momenta.col(port) = share.p_end;
+    const Eigen::VectorXd arms = shared(share, out_) + share.mass * M_arm;
+    rows.arms.col(port) = arms;
+    rows.momenta.col(port) = shared(share, v_end_);
     rows.mass(port) = share.mass;
     rows.part_of_port[share.port] = share.part;
     Eigen::Index i = 0;
@@ -166,18 +172,24 @@ AngularBalance::Rows AngularBalance::rows() const {
       const Eigen::Index own = i++;
       const int node = free[static_cast<std::size_t>(row / 3)];
       if (node < 0) return;
-      const Eigen::Matrix3d momentum = cross_of(at(share.p_end, row)) / h_s_;
-      Eigen::Matrix3d of_v = -cross_of(Eigen::Vector3d(rows.arms.col(port).segment<3>(row))) / h_s_;
+      const Eigen::Matrix3d momentum =
+          cross_of(Eigen::Vector3d(rows.momenta.col(port).segment<3>(row))) / h_s_;
+      Eigen::Matrix3d of_v = -cross_of(at(arms, row)) / h_s_;
       if (rotates_) of_v += momentum * half;
-      rows.free.block<3, 3>(3 * port, 3 * node) = of_v;
+      rows.free.block<3, 3>(3 * node, 3 * port) = of_v.transpose();
       for (std::size_t l = 0; l < part.holders.size(); ++l) {
         if (part.holders[l] == BodyPart::kGround) continue;
         const Eigen::Index column = 6 * static_cast<Eigen::Index>(part.holders[l]);
-        const Eigen::Matrix3d of_p = part.shares(own, static_cast<Eigen::Index>(l)) * momentum;
-        rows.ports.block<3, 3>(3 * port, column) += of_p;
-        rows.ports.block<3, 3>(3 * port, column + 3) -= of_p * half;
+        const double phi = part.shares(own, static_cast<Eigen::Index>(l));
+        rows.ports.block<3, 3>(3 * port, column) += phi * momentum;
       }
     });
+    for (std::size_t l = 0; l < part.holders.size(); ++l) {
+      if (part.holders[l] == BodyPart::kGround) continue;
+      const Eigen::Index column = 6 * static_cast<Eigen::Index>(part.holders[l]);
+      rows.ports.block<3, 3>(3 * port, column + 3) =
+          -rows.ports.block<3, 3>(3 * port, column) * half;
+    }
   }
   return rows;
 }

@@ -54,7 +54,7 @@ class AngularBalance {
   /// The same as a linear map, where the beginning of the step does not change, there is no drag,
   /// and x⁺ of a node that no port holds rigidly moves by h Q^½ δv + Σ_l φ_l (δp_l − h Q^½ δv_l).
   struct Rows {
-    Eigen::MatrixXd free;   ///< 3 rows per port: of δv of the free nodes
+    Eigen::MatrixXd free;   ///< 3 columns per port, transposed: of δv of the free nodes
     Eigen::MatrixXd ports;  ///< 3 rows per port: of (δp, δv) of the ports' origins, by those nodes
     Eigen::MatrixXd arms;  ///< ½ (φ_k M + M φ_k)(x⁺ − x_m) + μ_k M (x_m − c), a column a port
     Eigen::MatrixXd momenta;  ///< p_k⁺, a column a port
@@ -76,23 +76,30 @@ class AngularBalance {
     std::size_t port;
     std::size_t part;
     Eigen::Index holder;
-    double mass;               ///< μ
-    Eigen::VectorXd p, p_end;  ///< p_k at the beginning and at the end (kg m/s)
+    double mass;  ///< μ
   };
   template <class Work>
   void for_nodes(const Share& share, const Work& work) const;
-  /// p_k of velocities v with the momenta M v.
-  [[nodiscard]] Eigen::VectorXd shared(const BodyPart& part, Eigen::Index holder,
-                                       const Eigen::VectorXd& v, const Eigen::VectorXd& Mv) const;
+  /// A field over the nodes with its product with the mass matrix.
+  struct Weighed {
+    Eigen::VectorXd a, Ma;
+  };
+  [[nodiscard]] Weighed weighed(Eigen::VectorXd a) const;
+  /// ½ Σ φ_i (a_i × (M b)_i + (M a)_i × b_i).
+  [[nodiscard]] Eigen::Vector3d moment(const Share& share, const Weighed& a,
+                                       const Weighed& b) const;
+  /// ½ (φ M a + M φ a) on the nodes of the part, zero elsewhere.
+  [[nodiscard]] Eigen::VectorXd shared(const Share& share, const Weighed& a) const;
 
   const Model& model_;
   const Carry& carry_;
   const Step step_;
   double h_s_;
   bool rotates_;
-  Eigen::VectorXd out_, back_;  ///< x⁺ and x less what they are compared with in κ (m)
-  Eigen::VectorXd internal_;    ///< (p⁺ − p)/h − f_ext − r (N)
-  Eigen::VectorXd arm_;         ///< x_m − c (m)
+  Weighed v_, v_end_;         ///< m/s, kg m/s
+  Weighed out_, back_;        ///< x⁺ and x less what they are compared with in κ (m, kg m)
+  Eigen::VectorXd internal_;  ///< (p⁺ − p)/h − f_ext − r (N)
+  Eigen::VectorXd arm_;       ///< x_m − c (m)
   std::vector<Share> shares_;
 };
 

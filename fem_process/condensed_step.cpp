@@ -86,18 +86,13 @@ class Condensation {
   /// Adds to the rows of the free nodes' velocities what these do through the reactions of held
   /// nodes, S_pI x.
   void add_reactions(const AngularBalance& angular, AngularBalance::Rows& rows) const {
+    if (rows.mass.isZero(0.0)) return;
+    const Eigen::MatrixXd moments = moments_of_reactions(angular, rows);
     for_blocks([&](std::size_t at, int j, const Eigen::Matrix3d& S) {
       const int free = free_[static_cast<std::size_t>(j)];
       if (free < 0) return;
-      for (Eigen::Index k = 0; 3 * k < rows.free.rows(); ++k) {
-        Eigen::Matrix3d moment;
-        for (Eigen::Index c = 0; c < 3; ++c) {
-          AngularBalance::Held change;
-          change.r = Eigen::Vector3d::Unit(c);
-          moment.col(c) = angular.held(rows, static_cast<std::size_t>(k), nodes_[at].node, change);
-        }
-        rows.free.block<3, 3>(3 * k, 3 * free) += moment * S;
-      }
+      rows.free.middleRows<3>(3 * free).noalias() +=
+          S.transpose() * moments.middleCols<3>(3 * static_cast<Eigen::Index>(at)).transpose();
     });
   }
 
@@ -143,26 +138,25 @@ class Condensation {
   void turn(const Eigen::MatrixXd& by_free, const AngularBalance& angular,
             const AngularBalance::Rows& rows, InterfaceJacobian& jacobian) const {
     const Eigen::Index ports = jacobian.rows() / 6;
+    const Eigen::MatrixXd by_reactions = moments_of_reactions(angular, rows) * reactions_;
     const auto add = [&](Eigen::Index column, Eigen::Index moving) {
       const auto port = static_cast<std::size_t>(column / 12);
       const Eigen::Index c = column % 12;
       for (Eigen::Index k = 0; k < ports; ++k) {
         auto torque = jacobian.col(column).segment<3>(6 * k + 3);
-        if (moving >= 0) torque += by_free.col(moving).segment<3>(3 * k);
+        if (moving >= 0) {
+          torque +=
+              by_free.col(moving).segment<3>(3 * k) + by_reactions.col(moving).segment<3>(3 * k);
+        }
         if (c < 3) torque += rows.ports.block<3, 1>(3 * k, 6 * (column / 12) + c);
         if (c >= 6 && c < 9) torque += rows.ports.block<3, 1>(3 * k, 6 * (column / 12) + c - 3);
       }
-      for (std::size_t j = 0; j < nodes_.size(); ++j) {
+      for (const PortNode& node : nodes_) {
+        if (node.port != port) continue;
         AngularBalance::Held change;
-        const PortNode& node = nodes_[j];
-        if (moving >= 0) {
-          change.r = reactions_.col(moving).segment<3>(3 * static_cast<Eigen::Index>(j));
-        }
-        if (node.port == port) {
-          if (c < 3) change.x = Eigen::Vector3d::Unit(c);
-          if (c >= 3 && c < 6) change.x = Eigen::Vector3d::Unit(c - 3).cross(node.arm);
-          change.v = node.rate.col(c);
-        }
+        if (c < 3) change.x = Eigen::Vector3d::Unit(c);
+        if (c >= 3 && c < 6) change.x = Eigen::Vector3d::Unit(c - 3).cross(node.arm);
+        change.v = node.rate.col(c);
         for (Eigen::Index k = 0; k < ports; ++k) {
           jacobian.col(column).segment<3>(6 * k + 3) +=
               angular.held(rows, static_cast<std::size_t>(k), node.node, change);
@@ -177,6 +171,24 @@ class Condensation {
   }
 
  private:
+  /// What the reactions of the held nodes add to the torques of all ports.
+  [[nodiscard]] Eigen::MatrixXd moments_of_reactions(const AngularBalance& angular,
+                                                     const AngularBalance::Rows& rows) const {
+    const Eigen::Index ports = rows.mass.size();
+    Eigen::MatrixXd moments(3 * ports, 3 * static_cast<Eigen::Index>(nodes_.size()));
+    for (std::size_t j = 0; j < nodes_.size(); ++j) {
+      for (Eigen::Index c = 0; c < 3; ++c) {
+        AngularBalance::Held change;
+        change.r = Eigen::Vector3d::Unit(c);
+        for (Eigen::Index k = 0; k < ports; ++k) {
+          moments.block<3, 1>(3 * k, 3 * static_cast<Eigen::Index>(j) + c) =
+              angular.held(rows, static_cast<std::size_t>(k), nodes_[j].node, change);
+        }
+      }
+    }
+    return moments;
+  }
+
   /// Calls work(index of the port node, other node, block of S) for the rows of
   /// the port nodes.
   template <class Work>
@@ -238,17 +250,17 @@ SolveReport condense(const Model& model, const PortArms& arms, const MotionSet& 
   const bool exact = model.params.solver.kind == SolverKind::Cholmod;
   if (!exact) {
     // Solutions of Bᵀ for the second order of B x, measured by what they are added to.
-    x.conservativeResize(Eigen::NoChange, columns + rows.free.rows());
-    x.rightCols(rows.free.rows()) = rows.free.transpose();
+    x.conservativeResize(Eigen::NoChange, columns + rows.free.cols());
+    x.rightCols(rows.free.cols()) = rows.free;
     norms.conservativeResize(x.cols());
-    norms.tail(rows.free.rows()).setConstant(norms.head(columns).maxCoeff());
+    norms.tail(rows.free.cols()).setConstant(norms.head(columns).maxCoeff());
   }
   Eigen::MatrixXd left;
   const SolveReport report = kept.solver->solve_roughly(x, norms, left);
   if (report.outcome == Outcome::Failed) return report;
-  Eigen::MatrixXd by_free = rows.free * x.leftCols(columns);
+  Eigen::MatrixXd by_free = rows.free.transpose() * x.leftCols(columns);
   if (!exact) {
-    by_free += x.rightCols(rows.free.rows()).transpose() * left.leftCols(columns);
+    by_free += x.rightCols(rows.free.cols()).transpose() * left.leftCols(columns);
     x.conservativeResize(Eigen::NoChange, columns);
     left.conservativeResize(Eigen::NoChange, columns);
   }
