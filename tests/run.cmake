@@ -30,6 +30,8 @@ tandem_run_test(run_thin_log process/run_thin_log.cpp process)
 tandem_run_test(run_verdict process/run_verdict.cpp process)
 tandem_run_test(run_strangers process/run_strangers.cpp process)
 tandem_run_test(ancf_same_bits process/ancf_same_bits.cpp "process;equivalence")
+tandem_run_test(descriptors process/descriptors.cpp process)
+target_link_libraries(descriptors PRIVATE orchestrator)
 # The longest test: begins first.
 tandem_run_test(ancf_drive process/ancf_drive.cpp "process;equivalence;reference" PROPERTIES COST 1000)
 target_link_libraries(ancf_drive PRIVATE fem)
