@@ -11,7 +11,7 @@ namespace tandem::fem {
 namespace {
 
 constexpr const char* kCommands =
-    "Say 'release SET', 'fix SET' or 'force X,Y,Z SET' (N, three numbers with commas).";
+    "Say 'release SET', 'fix SET' or 'force SET FX,FY,FZ' (N, three numbers with commas).";
 
 Eigen::Vector3d parse_force(const std::string& text) {
   Eigen::Vector3d force;
@@ -47,9 +47,11 @@ Boundary changed(const Boundary& boundary, const std::string& command, const Tet
     require(held == after.fixed.end(), "fem: the set '" + set + "' is fixed already.");
     after.fixed.push_back(set);
   } else if (verb == "force") {
-    const std::size_t next = set.find(' ');
-    const Eigen::Vector3d total_N = parse_force(set.substr(0, next));
-    set = next == std::string::npos ? "" : set.substr(next + 1);
+    // The last word: names of sets may hold spaces.
+    const std::size_t last = set.rfind(' ');
+    const bool named = last != std::string::npos;
+    const Eigen::Vector3d total_N = parse_force(named ? set.substr(last + 1) : set);
+    set.resize(named ? last : 0);
     static_cast<void>(find_set(mesh, {.name = set}));
     std::erase_if(after.forces, [&](const Boundary::Force& force) { return force.set == set; });
     if (!total_N.isZero(0.0)) after.forces.push_back({set, total_N});
@@ -60,14 +62,14 @@ Boundary changed(const Boundary& boundary, const std::string& command, const Tet
 }
 
 std::string force_command(const Eigen::Vector3d& total_N, const std::string& set) {
-  std::string text = "force ";
+  std::string text = "force " + set;
   for (int axis = 0; axis < 3; ++axis) {
     std::array<char, 32> digits{};
     const auto end = std::to_chars(digits.begin(), digits.end(), total_N[axis]).ptr;
+    text += axis == 0 ? ' ' : ',';
     text.append(digits.begin(), end);
-    text += axis < 2 ? ',' : ' ';
   }
-  return text + set;
+  return text;
 }
 
 void add_forces(const Boundary& boundary, const TetMesh& mesh, Eigen::VectorXd& f) {

@@ -31,7 +31,7 @@ struct Boundary {
 [[nodiscard]] Boundary changed(const Boundary& boundary, const std::string& command,
                                const TetMesh& mesh);
 
-/// "force X,Y,Z SET" with numbers that read back exactly.
+/// "force SET FX,FY,FZ" with numbers that read back exactly.
 [[nodiscard]] std::string force_command(const Eigen::Vector3d& total_N, const std::string& set);
 
 /// Adds the forces to the nodal forces f (N).

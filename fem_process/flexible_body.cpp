@@ -1,5 +1,7 @@
 #include "fem_process/flexible_body.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <utility>
 
@@ -31,7 +33,7 @@ std::vector<std::string> names_of(const std::vector<SetName>& sets) {
 }
 
 std::string at_time(SimTime time) {
-  return "fem: at t = " + std::to_string(to_seconds(time)) + " s: ";
+  return "fem: at t = " + fmt::format("{:.6g}", to_seconds(time)) + " s: ";
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <string>
 
 #include "fem_process/flexible_body.h"
@@ -56,18 +58,18 @@ CommandResult FlexibleBody::command(const std::string& text) {
   // The ground takes the motion of a set that is fixed.
   state_.book.damping_loss_J += kinetic_J - kinetic_energy_J(model_, state_.v);
   if (report.outcome != Outcome::Done) {
-    throw Error(ErrorKind::NotSolved, "fem: at t = " + std::to_string(to_seconds(state_.time)) +
-                                          " s: accelerations after '" + text +
-                                          "': " + report.message);
+    throw Error(ErrorKind::NotSolved,
+                "fem: at t = " + fmt::format("{:.6g}", to_seconds(state_.time)) +
+                    " s: accelerations after '" + text + "': " + report.message);
   }
   state_.generation = ++generations_;
   step_->prepare(state_, kept_[0]);
   result.accepted = true;
   result.cost.compute_s = now_s() - begin_s;
-  result.message = text + " at t = " + std::to_string(to_seconds(state_.time)) +
+  result.message = text + " at t = " + fmt::format("{:.6g}", to_seconds(state_.time)) +
                    " s: " + std::to_string(model_.free.size()) + " nodes free, " +
                    std::to_string(model_.prescribed.size()) + " held or following ports; " +
-                   std::to_string(1e3 * result.cost.compute_s) + " ms";
+                   fmt::format("{:.3g}", 1e3 * result.cost.compute_s) + " ms";
   return result;
 }
 

@@ -98,15 +98,14 @@ class InpReader {
     for (std::size_t k = 1; k < fields.size(); ++k) {
       const std::size_t equals = fields[k].find('=');
       const std::string key = trimmed_upper(fields[k].substr(0, equals));
-      std::string value;
-      if (equals != std::string_view::npos)
-        value = std::string(split(fields[k].substr(equals + 1)).at(0));
-      parameters_[key] = value;
+      const std::vector<std::string_view> value =
+          split(equals == std::string_view::npos ? "" : fields[k].substr(equals + 1));
+      parameters_[key] = value.empty() ? "" : value.front();
     }
     generate_ = parameters_.count("GENERATE") > 0;
     if (name == "NODE") {
       mode_ = Mode::Node;
-      target_ = parameters_.count("NSET") > 0 ? parameters_["NSET"] : "";
+      target_ = parameters_.count("NSET") > 0 ? needed("NSET") : "";
       if (!target_.empty()) node_set(target_);
     } else if (name == "ELEMENT") {
       element_keyword();
@@ -146,14 +145,16 @@ class InpReader {
     }
     nodes_ = type == "C3D4" ? 4 : 10;
     mode_ = Mode::Element;
-    target_ = parameters_.count("ELSET") > 0 ? parameters_["ELSET"] : "";
+    target_ = parameters_.count("ELSET") > 0 ? needed("ELSET") : "";
     if (!target_.empty()) element_set(target_);
   }
 
   std::string needed(const std::string& key) {
     const auto found = parameters_.find(key);
-    if (found == parameters_.end() || found->second.empty())
-      fail("the parameter " + key + "= is missing.");
+    if (found == parameters_.end()) fail("the parameter " + key + "= is missing. Add it.");
+    if (found->second.empty()) {
+      fail("the parameter " + key + "= is empty. Write a name behind it.");
+    }
     return found->second;
   }
 
@@ -232,11 +233,14 @@ class InpReader {
       const std::int64_t last = whole(fields[1], "the last number");
       const std::int64_t step = fields.size() == 3 ? whole(fields[2], "the step") : 1;
       const auto most = static_cast<std::int64_t>(raw_.node_tags.size() + raw_.tets.size());
-      if (step <= 0 || last < first || (last - first) / step > most) {
+      // From either end of the range of numbers to the other the difference itself is none.
+      std::int64_t span = 0;
+      if (step <= 0 || last < first || __builtin_sub_overflow(last, first, &span) ||
+          span / step > most) {
         fail("GENERATE from " + std::to_string(first) + " to " + std::to_string(last) + " by " +
              std::to_string(step) + " makes no sense for this mesh. Correct the row.");
       }
-      for (std::int64_t tag = first; tag <= last; tag += step) add_member(tag);
+      for (std::int64_t k = 0; k <= span / step; ++k) add_member(first + k * step);
       return;
     }
     for (std::string_view field : fields) {

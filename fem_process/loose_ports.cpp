@@ -1,5 +1,7 @@
 #include "fem_process/loose_ports.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -268,8 +270,9 @@ SolveReport LoosePorts::close(const PortsSeen& end, double c_x, const Eigen::Mat
       if (turn <= kMostTurn_rad) continue;
       return {.outcome = Outcome::Failed,
               .message = "the bushing of port '" + names_[k] + "' is turned by " +
-                         std::to_string(turn) + " rad, and its rotation vector holds up to " +
-                         std::to_string(kMostTurn_rad) +
+                         fmt::format("{:.6g}", turn) +
+                         " rad, and its rotation vector holds up to " +
+                         fmt::format("{:.3g}", kMostTurn_rad) +
                          " rad. Make it stiffer, or join the bodies by a joint of the multibody "
                          "side and a rigid port."};
     }

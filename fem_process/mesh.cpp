@@ -1,5 +1,7 @@
 #include "fem_process/mesh.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -7,7 +9,9 @@
 #include <cstring>
 #include <fstream>
 #include <iomanip>
+#include <iterator>
 #include <sstream>
+#include <utility>
 
 #include "fem_process/raw_mesh.h"
 #include "fem_process/tet10.h"
@@ -72,7 +76,7 @@ void check_volume(const TetMesh& mesh, const RawMesh::Tetrahedron& tet, const Te
   throw Error(ErrorKind::Usage,
               mesh.file.string() + ":" + std::to_string(tet.line) + ": element " +
                   std::to_string(tet.tag) + " has " + (volume < 0.0 ? "negative" : "no") +
-                  " volume (" + std::to_string(volume) +
+                  " volume (" + fmt::format("{:.3g}", volume) +
                   " m³). Its corners are numbered inside out or lie in a plane: mesh again.");
 }
 
@@ -90,7 +94,7 @@ void check_mid_nodes(TetMesh& mesh, const RawMesh::Tetrahedron& tet) {
               " has the mid nodes of its edges 2-4 and 3-4 exchanged: Abaqus numbers that of "
               "2-4 first, Gmsh that of 3-4. Write the mesh again.");
   require(jacobian.at_points > 0.0,
-          where + " is folded: its Jacobian falls to " + std::to_string(jacobian.at_points) +
+          where + " is folded: its Jacobian falls to " + fmt::format("{:.3g}", jacobian.at_points) +
               " of that of its corners. Its mid nodes are in another order or too far off their "
               "edges: mesh again, or use straight edges (fem.mesh.order: 2 on a first-order "
               "mesh).");
@@ -134,10 +138,45 @@ NodeSet place_set(const RawMesh& raw, const RawMesh::Set& set, const std::vector
   return placed;
 }
 
+/// Two elements on the same corners would have their stiffness and mass twice.
+void refuse_doubled_tets(const RawMesh& raw) {
+  std::vector<std::pair<std::array<std::int64_t, 4>, std::size_t>> corners;
+  corners.reserve(raw.tets.size());
+  for (std::size_t k = 0; k < raw.tets.size(); ++k) {
+    corners.emplace_back(raw.tets[k].nodes, k);
+    std::sort(corners.back().first.begin(), corners.back().first.end());
+  }
+  std::sort(corners.begin(), corners.end());
+  const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+  const auto found = std::adjacent_find(corners.begin(), corners.end(), same);
+  if (found == corners.end()) return;
+  const RawMesh::Tetrahedron& first = raw.tets[found->second];
+  const RawMesh::Tetrahedron& second = raw.tets[std::next(found)->second];
+  raw.fail(second.line, fmt::format("element {} has the same corners as element {} (line {}): "
+                                    "stiffness and mass would count twice. Delete one of them.",
+                                    second.tag, first.tag, first.line));
+}
+
+bool is_abaqus(const std::filesystem::path& file) {
+  return lower(file.extension().string()) == ".inp";
+}
+
+std::string how_to_name_sets(const std::filesystem::path& file) {
+  return is_abaqus(file)
+             ? "Name nodes with *NSET, NSET=NAME and elements with *ELSET, ELSET=NAME."
+             : "In Gmsh write Physical Surface(\"NAME\") = {…}; for every set and Physical "
+               "Volume(\"body\") = {…}; for the part, and save with Mesh.SaveAll = 0.";
+}
+
 TetMesh place(const RawMesh& raw, const MeshParams& params) {
   if (raw.tets.empty()) {
-    raw.fail(1, "the mesh has no tetrahedra. Mesh the volume (gmsh -3) and save its elements.");
+    raw.fail(1, std::string("the mesh has no tetrahedra. ") +
+                    (is_abaqus(raw.file)
+                         ? "Mesh the volume and write it as *ELEMENT, TYPE=C3D4 or C3D10."
+                         : "Mesh the volume (gmsh -3). Where the model has physical groups, Gmsh "
+                           "saves only what they hold: add Physical Volume(\"body\") = {…};."));
   }
+  refuse_doubled_tets(raw);
   const std::vector<int> number = number_used_nodes(raw);
   TetMesh mesh;
   mesh.file = raw.file;
@@ -220,7 +259,7 @@ std::string mesh_checksum(const std::filesystem::path& file) {
 
 TetMesh read_mesh(const MeshParams& params) {
   require(params.length_scale_m > 0.0 && std::isfinite(params.length_scale_m),
-          "fem: mesh length scale " + std::to_string(params.length_scale_m) +
+          "fem: mesh length scale " + fmt::format("{:.6g}", params.length_scale_m) +
               " m must be positive. Give metres per unit of the mesh file.");
   const std::string extension = lower(params.file.extension().string());
   require(extension == ".msh" || extension == ".inp",
@@ -253,9 +292,13 @@ const NodeSet& find_set(const TetMesh& mesh, const SetName& name) {
       known.push_back(set);
       list += (list.empty() ? "" : ", ") + set;
     }
-    throw Error(ErrorKind::Usage, where + "the mesh " + mesh.file.string() + " has no node set '" +
-                                      name.name + "'." + scenario::did_you_mean(name.name, known) +
-                                      " It has: " + (list.empty() ? "none" : list) + ".");
+    const std::string missing = where + "the mesh " + mesh.file.string();
+    require(!known.empty(), missing + " has no named sets" +
+                                (is_abaqus(mesh.file) ? "" : " (physical groups)") + ", so none '" +
+                                name.name + "'. " + how_to_name_sets(mesh.file));
+    throw Error(ErrorKind::Usage, missing + " has no node set '" + name.name + "'." +
+                                      scenario::did_you_mean(name.name, known) +
+                                      " It has: " + list + ".");
   }
   require(!found->second.nodes.empty(),
           where + "node set '" + name.name + "' (" + mesh.file.string() + ":" +

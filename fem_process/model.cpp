@@ -126,6 +126,29 @@ void Model::find_ports() {
   }
 }
 
+/// Says whose set it is that leaves no node free, where it is one alone.
+void Model::refuse_nothing_free(const std::vector<SetName>& sets) const {
+  const auto holds_all = [&](const SetName& name) {
+    return find_set(mesh, name).nodes.size() == mesh.X.size();
+  };
+  const std::string remedy =
+      "Name the part of its surface that is meant, or make the part a body of mbs if it need not "
+      "deform.";
+  for (const PortSet& port : params.ports) {
+    require(!holds_all(port.set), where(port.set) + "the set '" + port.set.name + "' of port '" +
+                                      port.name + "' holds every node of " + mesh.file.string() +
+                                      ": nothing could deform. " + remedy);
+  }
+  for (const SetName& name : sets) {
+    require(!holds_all(name), where(name) + "the fixed set '" + name.name +
+                                  "' holds every node of " + mesh.file.string() +
+                                  ": nothing could move. " + remedy);
+  }
+  throw Error(ErrorKind::Usage, "fem: every node of " + mesh.file.string() +
+                                    " is in a rigid port or fixed: nothing can move. Choose "
+                                    "smaller sets, or mesh finer.");
+}
+
 void Model::hold(const std::vector<SetName>& sets) {
   std::vector<int> owners = owner_;
   std::vector<int> held;
@@ -147,9 +170,7 @@ void Model::hold(const std::vector<SetName>& sets) {
     return owner == kNobody ||
            (owner >= 0 && ports[static_cast<std::size_t>(owner)].attachment.loose());
   };
-  require(std::any_of(owners.begin(), owners.end(), moves),
-          "fem: every node of " + mesh.file.string() +
-              " is in a rigid port or fixed: nothing can move. Mesh finer.");
+  if (std::none_of(owners.begin(), owners.end(), moves)) refuse_nothing_free(sets);
   fixed = std::move(held);
   free.clear();
   prescribed.clear();

@@ -58,6 +58,7 @@ class Model {
 
  private:
   void find_ports();
+  [[noreturn]] void refuse_nothing_free(const std::vector<SetName>& sets) const;
 
   LoadCase load_case_;
   std::vector<int> owner_;  ///< index of every node's port; below zero: none

@@ -1,5 +1,6 @@
 // Gmsh MSH 4.1 ASCII [Gmsh reference manual, "MSH file format"].
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -77,10 +78,19 @@ class MshReader {
     }
   }
 
+  int dimension() {
+    const std::int64_t found = in_.integer("a dimension");
+    if (found < 0 || found > 3) {
+      in_.fail("the dimension " + std::to_string(found) +
+               " is not one of 0, 1, 2, 3. Write the mesh again.");
+    }
+    return static_cast<int>(found);
+  }
+
   void physical_names() {
     const std::size_t n = in_.count("the number of physical names", 6);
     for (std::size_t i = 0; i < n; ++i) {
-      const int dimension = static_cast<int>(in_.integer("a dimension"));
+      const int dimension = this->dimension();
       const std::int64_t tag = in_.integer("a physical tag");
       const std::string name = in_.quoted("a physical name");
       names_[{dimension, tag}] = name;
@@ -103,8 +113,12 @@ class MshReader {
     const std::size_t groups = in_.count("the number of physical tags", 2);
     for (std::size_t k = 0; k < groups; ++k) {
       // A negative tag means reversed orientation: the same group.
-      const std::int64_t group = std::abs(in_.integer("a physical tag"));
-      groups_[{dimension, tag}].push_back(set_name(dimension, group));
+      const std::int64_t group = in_.integer("a physical tag");
+      if (group == std::numeric_limits<std::int64_t>::min()) {
+        in_.fail("the physical tag " + std::to_string(group) +
+                 " is out of range. Write the mesh again.");
+      }
+      groups_[{dimension, tag}].push_back(set_name(dimension, std::abs(group)));
     }
     if (dimension == 0) return;
     const std::size_t boundary = in_.count("the number of bounding entities", 2);
@@ -128,7 +142,7 @@ class MshReader {
     in_.integer("the largest node tag");
     std::vector<std::int64_t> tags;
     for (std::size_t block = 0; block < blocks; ++block) {
-      const std::int64_t dimension = in_.integer("a dimension");
+      const int dimension = this->dimension();
       in_.integer("an entity tag");
       const bool parametric = in_.integer("the parametric flag") != 0;
       const std::size_t n = in_.count("the number of nodes in a block", 8);
@@ -139,7 +153,7 @@ class MshReader {
         const double y = in_.real("a coordinate");
         const double z = in_.real("a coordinate");
         raw_.add_node(tag, {x, y, z}, in_.line());
-        for (std::int64_t k = 0; parametric && k < dimension; ++k) in_.real("a parameter");
+        for (int k = 0; parametric && k < dimension; ++k) in_.real("a parameter");
       }
     }
     if (raw_.node_tags.size() != total) {
@@ -155,7 +169,7 @@ class MshReader {
     in_.integer("the smallest element tag");
     in_.integer("the largest element tag");
     for (std::size_t block = 0; block < blocks; ++block) {
-      const int dimension = static_cast<int>(in_.integer("a dimension"));
+      const int dimension = this->dimension();
       const std::int64_t entity = in_.integer("an entity tag");
       const std::int64_t type = in_.integer("an element type");
       const std::size_t nodes = nodes_of(type);

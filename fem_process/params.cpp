@@ -1,5 +1,7 @@
 #include "fem_process/params.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "protocol/contract/error.h"
@@ -13,23 +15,23 @@ void check(const Params& params) {
   require(std::abs(params.mesh.orientation.norm() - 1.0) < 1e-9,
           "fem: the mesh orientation must be a unit quaternion.");
   require(params.damping.alpha_per_s >= 0.0 && std::isfinite(params.damping.alpha_per_s),
-          "fem: damping alpha " + std::to_string(params.damping.alpha_per_s) +
+          "fem: damping alpha " + fmt::format("{:.6g}", params.damping.alpha_per_s) +
               " 1/s must not be negative.");
-  require(
-      params.damping.beta_s >= 0.0 && std::isfinite(params.damping.beta_s),
-      "fem: damping beta " + std::to_string(params.damping.beta_s) + " s must not be negative.");
+  require(params.damping.beta_s >= 0.0 && std::isfinite(params.damping.beta_s),
+          "fem: damping beta " + fmt::format("{:.6g}", params.damping.beta_s) +
+              " s must not be negative.");
   const double alpha = params.integrator.hht_alpha;
   require(alpha >= -1.0 / 3.0 && alpha <= 0.0,
-          "fem: HHT alpha " + std::to_string(alpha) +
+          "fem: HHT alpha " + fmt::format("{:.6g}", alpha) +
               " must be between -1/3 (most damping) and 0 (none).");
   const double rho = params.integrator.rho_infinity;
-  require(rho >= 0.0 && rho <= 1.0, "fem: rho_infinity " + std::to_string(rho) +
+  require(rho >= 0.0 && rho <= 1.0, "fem: rho_infinity " + fmt::format("{:.6g}", rho) +
                                         " must be between 0 (most damping) and 1 (none).");
   const double beta = params.integrator.newmark_beta;
   const double gamma = params.integrator.newmark_gamma;
   require(beta > 0.0 && beta <= 1.0,
-          "fem: newmark_beta " + std::to_string(beta) + " must be above 0 and at most 1.");
-  require(gamma >= 0.5 && gamma <= 1.0, "fem: newmark_gamma " + std::to_string(gamma) +
+          "fem: newmark_beta " + fmt::format("{:.6g}", beta) + " must be above 0 and at most 1.");
+  require(gamma >= 0.5 && gamma <= 1.0, "fem: newmark_gamma " + fmt::format("{:.6g}", gamma) +
                                             " must be between 0.5 (no damping) and 1; below 0.5 "
                                             "motions grow.");
   require(params.integrator.newton_steps >= 0, "fem: newton_steps must not be negative.");

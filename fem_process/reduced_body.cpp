@@ -1,5 +1,7 @@
 #include "fem_process/reduced_body.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +14,7 @@ namespace tandem::fem {
 namespace {
 
 std::string at_time(SimTime time) {
-  return "fem: at t = " + std::to_string(to_seconds(time)) + " s: ";
+  return "fem: at t = " + fmt::format("{:.6g}", to_seconds(time)) + " s: ";
 }
 
 }  // namespace

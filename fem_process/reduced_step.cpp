@@ -1,5 +1,7 @@
 #include "fem_process/reduced_step.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <string>
 #include <utility>
@@ -19,7 +21,7 @@ SolveReport check_turning(const Model& model, const FloatingFrame::Placement& at
       part < model.ports.size() ? "the port '" + model.ports[part].name + "'" : "the fixed nodes";
   return {.outcome = Outcome::Failed,
           .message = name + " turned by " +
-                     std::to_string(2.0 * std::acos(at.least_cosine) * 180.0 / M_PI) +
+                     fmt::format("{:.6g}", 2.0 * std::acos(at.least_cosine) * 180.0 / M_PI) +
                      "° against the floating frame, limit 120°. Craig-Bampton is for small "
                      "deformations: choose fem.formulation: corotational, or another "
                      "fem.craig_bampton.frame."};

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -15,7 +16,16 @@ Ends ends_of(std::int64_t a, std::int64_t b) { return {std::min(a, b), std::max(
 class Raiser {
  public:
   explicit Raiser(RawMesh& raw) : raw_(raw) {
-    for (std::int64_t tag : raw.node_tags) next_tag_ = std::max(next_tag_, tag + 1);
+    // Every element takes up to six new numbers behind the largest.
+    const std::int64_t most = std::numeric_limits<std::int64_t>::max() -
+                              6 * static_cast<std::int64_t>(raw.tets.size()) - 1;
+    for (std::int64_t tag : raw.node_tags) {
+      if (tag > most) {
+        raw.fail(1, "node number " + std::to_string(tag) +
+                        " leaves no numbers for mid nodes. Number the nodes from 1.");
+      }
+      next_tag_ = std::max(next_tag_, tag + 1);
+    }
   }
 
   void run() {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -105,9 +107,10 @@ void TransientStep::correct(const Input& input, Linearisation& kept, Eigen::Vect
     if (residual <= limit || total.outcome == Outcome::Failed) return;
   }
   result.report = {.outcome = Outcome::NotConverged,
-                   .message = "Newton's iteration has a residual of " + std::to_string(residual) +
-                              " N after " + std::to_string(params.newton_steps) + " steps, limit " +
-                              std::to_string(limit) +
+                   .message = "Newton's iteration has a residual of " +
+                              fmt::format("{:.3g}", residual) + " N after " +
+                              std::to_string(params.newton_steps) + " steps, limit " +
+                              fmt::format("{:.3g}", limit) +
                               " N. Halve fem.micro_step_s or raise fem.integrator.newton_steps.",
                    .iterations = total.iterations};
 }

@@ -26,7 +26,10 @@ struct AdviseCommand {
     changed.sets.emplace_back("output.bodies_every_steps=1");
     if (!scheme.empty()) changed.scheme = scheme;
     if (step_s > 0.0) changed.sets.push_back(fmt::format("run.macro_step_s={}", step_s));
-    if (duration_s > 0.0) changed.sets.push_back(fmt::format("run.duration_s={}", duration_s));
+    if (duration_s > 0.0) {
+      changed.sets.push_back(fmt::format("run.duration_s={}", duration_s));
+      changed.ends_early = true;
+    }
     return changed.load();
   }
 

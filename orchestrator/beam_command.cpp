@@ -13,6 +13,7 @@
 #include "fem_process/ancf/beam_vtu.h"
 #include "fem_process/vtk_xml.h"
 #include "mbs_process/make_side.h"
+#include "orchestrator/displacement_text.h"
 #include "orchestrator/verdict/run_books.h"
 #include "protocol/contract/error.h"
 #include "protocol/driver/side_process.h"
@@ -46,6 +47,10 @@ ordered_json displacements(const BeamSystem& system, const std::vector<WatchPoin
   return points;
 }
 
+std::string in_words(const ordered_json& displacements_m) {
+  return displacement_text("displacement", "fem.ancf.watch", displacements_m);
+}
+
 ordered_json heading(const scenario::Node& root, const BeamSystem& system,
                      const std::string& analysis) {
   return {{"tandem", kTandemVersion},
@@ -76,7 +81,6 @@ FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& param
   FemOutcome outcome{.results = heading(root, system, "static")};
   ordered_json& rows = outcome.results["load_steps"] = ordered_json::array();
   Eigen::VectorXd q = system.mesh().q0;
-  std::printf("%10s %11s %12s  %s\n", "factor", "iterations", "residual_N", "displacement (m)");
   for (double factor : params.load_factors) {
     const fem::ancf::Equilibrium found = fem::ancf::find_equilibrium(
         system, params.law_time_s, factor, beams.step.tolerance_m, params.max_iterations, q);
@@ -93,8 +97,8 @@ FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& param
                         {"iterations", found.iterations},
                         {"residual_N", found.residual_N},
                         {"displacement_m", displacements(system, beams.watch, q)}};
-    std::printf("%10.5g %11d %12.3g  %s\n", factor, found.iterations, found.residual_N,
-                row["displacement_m"].dump().c_str());
+    std::printf("load factor %.5g: %d iterations, residual %.3g N, %s\n", factor, found.iterations,
+                found.residual_N, in_words(row["displacement_m"]).c_str());
     rows.push_back(std::move(row));
   }
   return outcome;
@@ -170,7 +174,7 @@ FemOutcome run_transient(const scenario::Node& root, const std::filesystem::path
   csv.finish();
   std::printf("%lld steps to t = %g s: %s\n", static_cast<long long>(history["t_s"].size()) - 1,
               to_seconds(body.state().time),
-              displacements(body.system(), body.params().watch, body.state().q).dump().c_str());
+              in_words(displacements(body.system(), body.params().watch, body.state().q)).c_str());
   RunBooks books;
   books.fem_second_order = true;
   books.contact = !body.params().wheels.empty() || !body.params().grounds.empty();

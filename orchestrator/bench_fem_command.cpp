@@ -172,7 +172,7 @@ struct BenchCommand {
         "{:>7.1f} {:>9.1e} {:>7.1f} {:>6} {:>7.1f}\n",
         row.at("mesh").get<std::string>(), row.at("case").get<std::string>(),
         row.at("solver").get<std::string>(), row.at("threads").get<int>(),
-        cap > 0 ? std::to_string(cap) : "-", number(row.at("step_ms"), "median"),
+        cap > 0 ? fmt::format("{}", cap) : "-", number(row.at("step_ms"), "median"),
         number(row.at("step_ms"), "p95"), number(phases, "elements"), number(phases, "factorize"),
         number(phases, "solve"), number(row, "iterations_mean"), number(row, "error_max"),
         number(row, "real_time_ratio"),

@@ -52,7 +52,12 @@ ChildFunction::ChildFunction(const std::function<std::string()>& body) {
   if (pipe2(ends.data(), O_CLOEXEC) != 0) fail("cannot open a pipe");
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ < 0) fail("cannot start a process");
+  if (pid_ < 0) {
+    const int error = errno;
+    for (const int end : ends) close(end);
+    errno = error;
+    fail("cannot start a process");
+  }
   if (pid_ == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(0);  // the parent has ended meanwhile

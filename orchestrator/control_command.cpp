@@ -28,7 +28,7 @@ struct ControlCommand {
   std::string force;
 
   [[nodiscard]] std::string text() const {
-    return verb == "force" ? fmt::format("force {} {}", force, set)
+    return verb == "force" ? fmt::format("force {} {}", set, force)
                            : fmt::format("{} {}", verb, set);
   }
 

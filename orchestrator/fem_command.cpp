@@ -16,6 +16,8 @@
 #include "fem_process/static_analysis.h"
 #include "fem_process/vtu_writer.h"
 #include "orchestrator/beam_command.h"
+#include "orchestrator/displacement_text.h"
+#include "orchestrator/late_changes.h"
 #include "orchestrator/nodal_scenario.h"
 #include "orchestrator/run_directory.h"
 #include "orchestrator/scenario_table.h"
@@ -40,6 +42,10 @@ ordered_json displacements(const fem::Model& model, const Eigen::VectorXd& x) {
     sets[name.name] = to_json(fem::mean_displacement(model, name, x));
   }
   return sets;
+}
+
+std::string in_words(const ordered_json& displacements_m) {
+  return displacement_text("mean displacement", "fem.watch", displacements_m);
 }
 
 ordered_json heading(const scenario::Node& root, const fem::Model& model,
@@ -112,7 +118,6 @@ FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& param
   FemOutcome outcome{.results = heading(root, model, "static")};
   fem::VtuWriter vtu(model, folder / "fem", "fem", 1);
   ordered_json& rows = outcome.results["load_steps"] = ordered_json::array();
-  std::printf("%10s %11s %12s  %s\n", "factor", "iterations", "residual", "mean displacement (m)");
   const fem::StaticResult result = solve_static(model, params, [&](const fem::LoadStep& step) {
     ordered_json row = {{"factor", step.factor},
                         {"iterations", step.iterations},
@@ -121,8 +126,8 @@ FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& param
                         {"residual", step.residual},
                         {"inverted_elements", step.inverted_elements},
                         {"displacement_m", displacements(model, step.x)}};
-    std::printf("%10.5g %11d %12.3g  %s\n", step.factor, step.iterations, step.residual,
-                row["displacement_m"].dump().c_str());
+    std::printf("load factor %.5g: %d iterations, residual %.3g of the load, %s\n", step.factor,
+                step.iterations, step.residual, in_words(row["displacement_m"]).c_str());
     rows.push_back(std::move(row));
     // The collection's time is the load factor.
     vtu.write({.time = sim_time_from_seconds(step.factor),
@@ -210,6 +215,7 @@ FemOutcome run_history(const scenario::Node& root, const std::string& kind,
     if (vtu) vtu->write(state);
   };
   const scenario::RunParams run = scenario::read_run(root);
+  refuse_late_changes(root, run, false);
   const SetMotions moved(motions, model.mesh, to_seconds(model.params.micro_step));
   moved.record(body->initialize(moved.at(0.0)), history);
   record();
@@ -228,7 +234,7 @@ FemOutcome run_history(const scenario::Node& root, const std::string& kind,
   }
   std::printf("%lld steps to t = %g s: %s\n", static_cast<long long>(history["t_s"].size()) - 1,
               to_seconds(body->nodal_state().time),
-              displacements(model, body->nodal_state().x).dump().c_str());
+              in_words(displacements(model, body->nodal_state().x)).c_str());
   if (kind == "transient") {
     RunBooks books;
     books.fem_second_order = model.params.integrator.kind != fem::IntegratorKind::BackwardEuler;

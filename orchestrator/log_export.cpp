@@ -78,23 +78,29 @@ void export_csv(const RunDirectory& run, std::FILE* out) {
   put(out, "macro_step,iteration,side,kind,accepted,rollback,outcome,H_s,command," +
                interface_header(model.port_names));
   SimTime begin{};
+  std::int64_t last = -1;
   while (const auto journal = log.next_step()) {
+    const wire::StepRecord& step = journal->step;
+    // Behind steps that the log leaves out (output.log_every_steps).
+    if (step.macro_step > last + 1) begin = step.time - step.step;
+    last = step.macro_step;
     for (const wire::CallRecord& call : journal->calls) {
       const std::string misfit = wire::misfit(call, model.port_names.size());
       require(misfit.empty(), fmt::format("{} is damaged: {}.", run.log().string(), misfit));
       put(out, call_row(call, begin, model.port_names.size()));
     }
-    begin = journal->step.time;
+    begin = step.time;
   }
   if (std::fflush(out) != 0) put(out, "\n");
 }
 
 std::string describe_log(const RunDirectory& run) {
   wire::LogReader log(run.log());
-  std::int64_t steps = 0, calls = 0, discarded = 0;
+  std::int64_t steps = 0, calls = 0, discarded = 0, logged = -1;  // the initial values are step 0
   std::string commands;
   while (const auto journal = log.next_step()) {
     steps = journal->step.macro_step;
+    ++logged;
     for (const wire::CallRecord& call : journal->calls) {
       if (call.kind == wire::CallKind::Command) {
         commands += fmt::format("  command      before macro step {}: {}: {}{}\n", call.macro_step,
@@ -105,11 +111,15 @@ std::string describe_log(const RunDirectory& run) {
       discarded += call.accepted ? 0 : 1;
     }
   }
+  const std::string thinned =
+      logged < 0        ? ", none is here (output.log_every_steps: 0, or the run never began)"
+      : logged == steps ? ""
+                        : fmt::format(", of which {} stand here (output.log_every_steps)", logged);
   return fmt::format(
-      "{}\n  run id       {:016x}\n  written by   {}\n  macro steps  {}\n  calls        {} ({} "
+      "{}\n  run id       {:016x}\n  written by   {}\n  macro steps  {}{}\n  calls        {} ({} "
       "discarded by rollback)\n{}  ends         {}\n",
-      run.log().string(), log.run_id(), log.scenario().versions, steps, calls, discarded, commands,
-      end_of(log, steps));
+      run.log().string(), log.run_id(), log.scenario().versions, steps, thinned, calls, discarded,
+      commands, end_of(log, steps));
 }
 
 }  // namespace tandem::orchestrator

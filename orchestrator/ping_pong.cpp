@@ -34,8 +34,9 @@ sockaddr_in loopback(int port) {
   return address;
 }
 
-int open_socket(int type) {
-  const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
+FileDescriptor open_socket(int type) {
+  FileDescriptor opened(socket(AF_INET, type | SOCK_CLOEXEC, 0));
+  const int fd = opened.get();
   if (fd < 0) fail("cannot open a socket");
   const int on = 1;
   const int buffer_bytes = 4194304;
@@ -44,25 +45,25 @@ int open_socket(int type) {
   } else {
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof(buffer_bytes));
   }
-  return fd;
+  return opened;
 }
 
-int bound_socket(int type) {
-  const int fd = open_socket(type);
+FileDescriptor bound_socket(int type) {
+  FileDescriptor opened = open_socket(type);
   const sockaddr_in address = loopback(0);
-  if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+  if (bind(opened.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     fail("cannot bind to 127.0.0.1");
   }
-  return fd;
+  return opened;
 }
 
-int connected_socket(int type, int port) {
-  const int fd = open_socket(type);
+FileDescriptor connected_socket(int type, int port) {
+  FileDescriptor opened = open_socket(type);
   const sockaddr_in address = loopback(port);
-  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
+  if (connect(opened.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
     fail("cannot connect to 127.0.0.1");
   }
-  return fd;
+  return opened;
 }
 
 int port_of(int fd) {
@@ -128,7 +129,8 @@ bool receive_datagrams(int fd, std::uint32_t& number, bool follow, std::size_t w
 }
 
 void answer_tcp(int listener, PingPongSizes sizes) {
-  const int fd = accept4(listener, nullptr, nullptr, SOCK_CLOEXEC);
+  const FileDescriptor accepted(accept4(listener, nullptr, nullptr, SOCK_CLOEXEC));
+  const int fd = accepted.get();
   const int on = 1;
   setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
   std::vector<char> in(sizes.there);
@@ -150,16 +152,11 @@ void answer_udp(int fd, PingPongSizes sizes) {
 
 PingPongSockets::PingPongSockets()
     : tcp_(bound_socket(SOCK_STREAM)), udp_(bound_socket(SOCK_DGRAM)) {
-  if (listen(tcp_, 1) != 0) fail("cannot listen on 127.0.0.1");
+  if (listen(tcp_.get(), 1) != 0) fail("cannot listen on 127.0.0.1");
 }
 
-PingPongSockets::~PingPongSockets() {
-  close(tcp_);
-  close(udp_);
-}
-
-int PingPongSockets::tcp_port() const { return port_of(tcp_); }
-int PingPongSockets::udp_port() const { return port_of(udp_); }
+int PingPongSockets::tcp_port() const { return port_of(tcp_.get()); }
+int PingPongSockets::udp_port() const { return port_of(udp_.get()); }
 
 void answer_pings(const PingPongSockets& sockets, PingPongSizes sizes) {
   std::thread([fd = sockets.tcp_listener(), sizes] { answer_tcp(fd, sizes); }).detach();
@@ -173,19 +170,15 @@ PingPong::PingPong(const PingPongSockets& sockets, PingPongSizes sizes)
       out_(sizes.there),
       in_(sizes.back + kDatagram) {
   const timeval patience{1, 0};
-  setsockopt(udp_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
-}
-
-PingPong::~PingPong() {
-  close(tcp_);
-  close(udp_);
+  setsockopt(udp_.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
 }
 
 std::vector<double> PingPong::tcp_us(int count) {
   std::vector<double> times_us;
   for (int i = 0; i < count; ++i) {
     const double begin_s = now_s();
-    if (!write_all(tcp_, out_.data(), out_.size()) || !read_all(tcp_, in_.data(), sizes_.back)) {
+    if (!write_all(tcp_.get(), out_.data(), out_.size()) ||
+        !read_all(tcp_.get(), in_.data(), sizes_.back)) {
       fail("TCP over 127.0.0.1");
     }
     times_us.push_back(1e6 * (now_s() - begin_s));
@@ -199,8 +192,8 @@ std::vector<double> PingPong::udp_us(int count) {
   for (int lost = 0; static_cast<int>(times_us.size()) < count && lost < kMaxLost;) {
     ++number_;
     const double begin_s = now_s();
-    send_datagrams(udp_, number_, out_, nullptr);
-    if (receive_datagrams(udp_, number_, false, sizes_.back, in_, nullptr)) {
+    send_datagrams(udp_.get(), number_, out_, nullptr);
+    if (receive_datagrams(udp_.get(), number_, false, sizes_.back, in_, nullptr)) {
       times_us.push_back(1e6 * (now_s() - begin_s));
     } else {
       ++lost;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "orchestrator/file_descriptor.h"
+
 namespace tandem::orchestrator {
 
 /// What a ping-pong carries: `there` bytes and `back` bytes, as the request and its reply do.
@@ -17,18 +19,17 @@ struct PingPongSizes {
 class PingPongSockets {
  public:
   PingPongSockets();
-  ~PingPongSockets();
   PingPongSockets(const PingPongSockets&) = delete;
   PingPongSockets& operator=(const PingPongSockets&) = delete;
 
-  [[nodiscard]] int tcp_listener() const { return tcp_; }
-  [[nodiscard]] int udp() const { return udp_; }
+  [[nodiscard]] int tcp_listener() const { return tcp_.get(); }
+  [[nodiscard]] int udp() const { return udp_.get(); }
   [[nodiscard]] int tcp_port() const;
   [[nodiscard]] int udp_port() const;
 
  private:
-  int tcp_ = -1;
-  int udp_ = -1;
+  FileDescriptor tcp_;
+  FileDescriptor udp_;
 };
 
 /// Answers both kinds of ping in threads of its own until the process ends. They wait in blocking
@@ -40,7 +41,6 @@ void answer_pings(const PingPongSockets& sockets, PingPongSizes sizes);
 class PingPong {
  public:
   PingPong(const PingPongSockets& sockets, PingPongSizes sizes);
-  ~PingPong();
   PingPong(const PingPong&) = delete;
   PingPong& operator=(const PingPong&) = delete;
 
@@ -50,8 +50,8 @@ class PingPong {
 
  private:
   PingPongSizes sizes_;
-  int tcp_ = -1;
-  int udp_ = -1;
+  FileDescriptor tcp_;
+  FileDescriptor udp_;
   std::uint32_t number_ = 0;
   std::vector<char> out_, in_;
 };

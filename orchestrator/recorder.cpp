@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
 #include "protocol/driver/side_process.h"
+#include "protocol/scenario/common_keys.h"
 
 namespace tandem::orchestrator {
 
@@ -17,6 +19,7 @@ Recorder::Recorder(const Model& model, const RunDirectory& directory, std::uint6
     : log_(directory.log(), run_id,
            {.scenario_yaml = model.scenario.resolved_yaml,
             .versions = fmt::format("tandem {}", kTandemVersion)}),
+      log_every_steps_(scenario::read_output(model.scenario.root).log_every_steps),
       tables_(directory.path(), model.port_names),
       progress_(model.name, model.run.macro_steps(), model.run.macro_step, silent) {
   so_far_.broken_off = true;
@@ -29,9 +32,13 @@ double Recorder::record(wire::StepJournal journal) {
     const std::string misfit = wire::misfit(call, so_far_.port_names.size());
     if (!misfit.empty()) throw Error(ErrorKind::Partner, "orchestrator: " + misfit + ".");
   }
-  log_is_whole_ = false;
-  log_.write(journal);
-  log_is_whole_ = true;
+  if (logs(journal)) {
+    log_is_whole_ = false;
+    log_.write(journal);
+    log_is_whole_ = true;
+  } else {
+    log_.require_still_there();
+  }
   tables_.write(journal);
   AcceptedInterface accepted = accepted_interface(journal);
   if (watch_) watch_(accepted);
@@ -40,6 +47,17 @@ double Recorder::record(wire::StepJournal journal) {
   progress_.step(journal.step.macro_step, journal.step.iterations);
   throw_if_interrupted();
   return 0.0;
+}
+
+/// Of a thinned log: the steps in turn and what a reader will look for, the steps that were
+/// commanded or failed.
+bool Recorder::logs(const wire::StepJournal& journal) const {
+  if (log_every_steps_ == 0) return false;
+  if (journal.step.macro_step % log_every_steps_ == 0) return true;
+  return journal.step.outcome == Outcome::Failed ||
+         std::any_of(journal.calls.begin(), journal.calls.end(), [](const wire::CallRecord& call) {
+           return call.kind == wire::CallKind::Command;
+         });
 }
 
 void Recorder::book(const wire::StepRecord& step, AcceptedInterface accepted) {

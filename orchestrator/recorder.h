@@ -16,8 +16,8 @@
 namespace tandem::orchestrator {
 
 /// Writes everything that a run leaves behind, macro step by macro step: exchange.lcm, steps.csv
-/// and ports.csv. A step that record() has returned from is readable even if this process dies
-/// next.
+/// and ports.csv. A step of the log that record() has returned from is readable even if this
+/// process dies next.
 class Recorder final : public StepSink {
  public:
   Recorder(const Model& model, const RunDirectory& directory, std::uint64_t run_id, bool silent);
@@ -43,9 +43,11 @@ class Recorder final : public StepSink {
 
  private:
   void book(const wire::StepRecord& step, AcceptedInterface accepted);
+  [[nodiscard]] bool logs(const wire::StepJournal& journal) const;
 
   wire::LogWriter log_;
-  bool log_is_whole_ = true;  ///< it ends with a whole event
+  std::int64_t log_every_steps_;  ///< 0: the scenario and the end alone
+  bool log_is_whole_ = true;      ///< it ends with a whole event
   StepTables tables_;
   Progress progress_;
   Watch watch_;

@@ -171,12 +171,26 @@ void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::Lo
 
 }  // namespace
 
+void require_whole_log(const RunDirectory& run) {
+  const Model model = load_model(run.scenario(), {});
+  const scenario::Node& root = model.scenario.root;
+  const std::int64_t every = scenario::read_output(root).log_every_steps;
+  if (every == 1) return;
+  root.section("output").fail(
+      "log_every_steps",
+      fmt::format("is {}: {} holds {}, and a replay needs every exchange from the first on. Run "
+                  "anew with 1, the default.",
+                  every, run.log().string(),
+                  every == 0 ? "no exchange" : fmt::format("one macro step of {} alone", every)));
+}
+
 ReplayReport replay(const RunDirectory& run, const ReplayOptions& options) {
   const InterruptionGuard guard;
   wire::LogReader log(run.log());
   require(log.scenario().scenario_yaml == read_text(run.scenario()),
           fmt::format("{} is not the scenario that {} was recorded with. Restore it, or run anew.",
                       run.scenario().string(), run.log().string()));
+  require_whole_log(run);
   ReplayReport report;
   replay_side(run, options, log, report);
   if (!report.difference.empty()) return report;

@@ -28,6 +28,9 @@ struct ReplayReport {
 /// with its checkpoints and rollbacks, and compares every output with the log. Stops at the first
 /// difference. The other side is not needed. A damaged log throws a Usage error that names the
 /// event and the macro step, and so does a log without a macro step.
+/// Throws a Usage error when the run was recorded with output.log_every_steps other than 1.
+void require_whole_log(const RunDirectory& run);
+
 [[nodiscard]] ReplayReport replay(const RunDirectory& run, const ReplayOptions& options);
 
 }  // namespace tandem::orchestrator

@@ -44,6 +44,7 @@ struct ReplayCommand {
   }
 
   int publish_log(const RunDirectory& directory) const {
+    require_whole_log(directory);
     wire::LogReader log(directory.log());
     const std::int64_t events = wire::republish(log, url, speed);
     std::printf("published %lld events\n", static_cast<long long>(events));

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "orchestrator/late_changes.h"
 #include "protocol/scenario/scenario_file.h"
 
 namespace tandem::orchestrator {
@@ -25,6 +26,12 @@ std::vector<scenario::Override> ScenarioOptions::overrides() const {
   return overrides;
 }
 
-Model ScenarioOptions::load() const { return load_model(file, overrides()); }
+Model ScenarioOptions::load() const {
+  Model model = load_model(file, overrides());
+  if (!ends_early) {
+    refuse_late_changes(model.scenario.root, model.run, model.coupling.adaptive.active());
+  }
+  return model;
+}
 
 }  // namespace tandem::orchestrator

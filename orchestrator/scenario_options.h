@@ -22,6 +22,7 @@ struct ScenarioOptions {
   std::vector<scenario::Override> changes;  ///< that the command makes of itself
   std::string driver;
   std::string out;
+  bool ends_early = false;  ///< for trials: what the scenario changes after their end is not made
 
   void declare(CLI::App& command);
   /// What the options change of the file.

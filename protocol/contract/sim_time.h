@@ -20,14 +20,6 @@ using SimTime = std::chrono::duration<std::int64_t, std::nano>;
 
 /// Nearest whole nanosecond. Throws when `seconds` is not finite, beyond ±292 years, or further
 /// than 1e-6 relative from a whole nanosecond (a step of 0.3 ns cannot be kept exactly).
-[[nodiscard]] inline SimTime sim_time_from_seconds(double seconds) {
-  const double ns = seconds * 1e9;
-  require(std::isfinite(ns) && std::abs(ns) < 9.2e18,
-          "time of " + std::to_string(seconds) + " s is out of range (±292 years)");
-  const double whole = std::round(ns);
-  require(std::abs(whole - ns) <= 1e-6 * std::max(1.0, std::abs(ns)),
-          "time of " + std::to_string(ns) + " ns is not a whole number of nanoseconds. Round it.");
-  return SimTime(static_cast<std::int64_t>(whole));
-}
+[[nodiscard]] SimTime sim_time_from_seconds(double seconds);
 
 }  // namespace tandem

@@ -142,6 +142,11 @@ Key output_keys() {
           .by_default("0")
           .doc_is("Rows of energy.csv, both sides' energy books, every n-th macro step, 0 = no "
                   "file."),
+      integer("log_every_steps")
+          .at_least(0)
+          .by_default("1")
+          .doc_is("Macro steps in exchange.lcm: every n-th, 0 = none; those with a command or a "
+                  "failure stand there in any case, unless 0. `tandem replay` needs 1."),
   };
   return section("output", std::move(output)).by_default("{}").doc_is("Files the sides write.");
 }
@@ -150,7 +155,8 @@ OutputParams read_output(const Node& root) {
   const Node output = root.section("output");
   return {.vtu_every_steps = output.integer("vtu_every_steps"),
           .bodies_every_steps = output.integer("bodies_every_steps"),
-          .energy_every_steps = output.integer("energy_every_steps")};
+          .energy_every_steps = output.integer("energy_every_steps"),
+          .log_every_steps = output.integer("log_every_steps")};
 }
 
 }  // namespace tandem::scenario

@@ -45,6 +45,7 @@ struct OutputParams {
   std::int64_t vtu_every_steps = 0;     ///< 0 = no .vtu files
   std::int64_t bodies_every_steps = 1;  ///< rows of bodies.csv, 0 = no file
   std::int64_t energy_every_steps = 0;  ///< rows of energy.csv, 0 = no file
+  std::int64_t log_every_steps = 1;     ///< macro steps in exchange.lcm, 0 = none; replays need 1
 };
 [[nodiscard]] Key output_keys();
 [[nodiscard]] OutputParams read_output(const Node& root);

@@ -101,6 +101,10 @@ void LogWriter::event(Process topic, Kind kind, const Record& record) {
 // liblcm writes through a buffered stream and flushes at the end only; a full disk shows here.
 void LogWriter::flush() {
   if (std::fflush(file_->log->f) != 0) fail();
+  require_still_there();
+}
+
+void LogWriter::require_still_there() const {
   struct stat status {};
   if (fstat(fileno(file_->log->f), &status) == 0 && status.st_nlink == 0) {
     throw Error(ErrorKind::System,

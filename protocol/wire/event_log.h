@@ -32,6 +32,9 @@ class LogWriter {
   void write(const StepJournal& journal);
   void write(const Finished& finished);
 
+  /// Throws when the file was removed while it was written: what follows would be lost.
+  void require_still_there() const;
+
   [[nodiscard]] std::int64_t bytes() const { return bytes_; }
 
  private:

@@ -16,6 +16,7 @@ namespace tandem::wire {
 
 void require_multicast_route(int port) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  require(fd >= 0, fmt::format("wire: cannot open a socket: {}", std::strerror(errno)));
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));

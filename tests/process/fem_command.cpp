@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 #include "orchestrator/scenario_table.h"
 #include "protocol/contract/error.h"
@@ -54,6 +55,46 @@ TEST_F(FemCommand, NeedsNoOtherSectionThanFem) {
   EXPECT_EQ(last["displacement_m"]["load"].size(), 3U);
   EXPECT_TRUE(fs::exists(folder / "fem" / "fem_000009.vtu"));
   EXPECT_TRUE(fs::exists(folder / "fem" / "fem.pvd"));
+}
+
+// fem.json has the numbers; the terminal has sentences with units.
+TEST_F(FemCommand, PrintsSentencesWithUnits) {
+  ::testing::internal::CaptureStdout();
+  static_cast<void>(run_fem(load("  analysis: {load_factors: [0.5]}\n").root, "", folder));
+  const std::string printed = ::testing::internal::GetCapturedStdout();
+  const std::regex sentence(
+      "load factor 0\\.5: \\d+ iterations, residual \\S+ of the load, mean displacement of "
+      "'monitor' "
+      "\\((\\S+, ){2}\\S+\\) m, of 'load' \\((\\S+, ){2}\\S+\\) m\n");
+  EXPECT_TRUE(std::regex_match(printed, sentence)) << printed;
+}
+
+TEST_F(FemCommand, SaysThatNothingIsWatched) {
+  ::testing::internal::CaptureStdout();
+  static_cast<void>(run_fem(load("", {{"fem.watch", "[]"}}).root, "", folder));
+  const std::string printed = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(printed.find("no mean displacement is asked for (fem.watch)"), std::string::npos)
+      << printed;
+}
+
+// A change that no macro step would make is refused where it stands, in line 9.
+TEST_F(FemCommand, RefusesChangesAfterTheLastStep) {
+  const std::string run = "run: {duration_s: 0.05, macro_step_s: 0.005}\n";
+  const auto changed = [&](const std::string& at_s) {
+    return load("  changes:\n    - {at_s: " + at_s + ", release: fixed}\n" + run);
+  };
+  EXPECT_EQ(run_fem(changed("0.045").root, "transient", folder).exit_code, 0);
+  for (const std::string at_s : {"0.046", "0.05", "7"}) {
+    try {
+      static_cast<void>(run_fem(changed(at_s).root, "transient", folder));
+      ADD_FAILURE() << at_s;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::Usage);
+      const std::string text = error.what();
+      EXPECT_TRUE(text.starts_with((folder / "bar.yaml").string() + ":9:14: ")) << text;
+      EXPECT_NE(text.find("run.duration_s"), std::string::npos) << text;
+    }
+  }
 }
 
 TEST_F(FemCommand, TakesTheLoadFactorsOfTheScenario) {

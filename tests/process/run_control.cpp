@@ -72,10 +72,13 @@ nlohmann::json command_and_replay(const std::vector<std::string>& more,
   EXPECT_NE(wrong.output.find("no node set 'tipp'"), std::string::npos) << wrong.output;
   EXPECT_EQ(control(out, {"release", "hub"}).code, 2);  // is a port
   EXPECT_EQ(control(out, {"melt", "tip"}).code, 2);
-  EXPECT_EQ(control(out, {"force", "tip", "1,2"}).code, 2);
+  const Ended half = control(out, {"force", "tip", "1,2"});
+  EXPECT_EQ(half.code, 2);
+  // In the order of the command line.
+  EXPECT_NE(half.output.find("'force SET FX,FY,FZ'"), std::string::npos) << half.output;
 
-  const Ended log = recorded(out, "force 1,2 tip");
-  EXPECT_NE(log.output.find("force 0,0.5,1.25 tip"), std::string::npos) << log.output;
+  const Ended log = recorded(out, "force tip 1,2");
+  EXPECT_NE(log.output.find("force tip 0,0.5,1.25"), std::string::npos) << log.output;
   EXPECT_NE(log.output.find("refused: "), std::string::npos) << log.output;
   run.signal(SIGINT);
   EXPECT_NE(run.wait(30.0), -1);
@@ -84,7 +87,7 @@ nlohmann::json command_and_replay(const std::vector<std::string>& more,
   EXPECT_NE(late.output.find("no run answers"), std::string::npos) << late.output;
 
   const Ended csv = tandem_command({"log", out.string(), "--csv"});
-  EXPECT_NE(csv.output.find(",command,1,0,0,0,\"force 0,0.5,1.25 tip\","), std::string::npos);
+  EXPECT_NE(csv.output.find(",command,1,0,0,0,\"force tip 0,0.5,1.25\","), std::string::npos);
   const Ended replay = tandem_command({"replay", out.string(), "--side", "fem"});
   EXPECT_EQ(replay.code, 0) << replay.output;
   return summary_of(out);
@@ -104,6 +107,21 @@ TEST(RunControl, AlsoOnALossyWire) {
 }
 
 // Changes of the scenario: both transports have the same bits, which are not those without changes.
+TEST(RunControl, ChangesAfterTheEndAreRefused) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& at_s) {
+    return run_command(run_of("pendulum_beam", folder / at_s,
+                              {"--set", "run.duration_s=0.03", "--transport", "inproc", "--set",
+                               "fem.changes=[{at_s: " + at_s + ", fix: tip}]"}));
+  };
+  const Ended late = run("0.03");
+  EXPECT_EQ(late.code, 2) << late.output;
+  EXPECT_NE(late.output.find("fem.changes"), std::string::npos) << late.output;
+  EXPECT_NE(late.output.find("would never be made"), std::string::npos) << late.output;
+  EXPECT_FALSE(std::filesystem::exists(folder / "0.03"));
+  EXPECT_EQ(run("0.028").code, 0);
+}
+
 TEST(RunControl, ScheduledChangesHaveTheSameBitsOverLcmAndInProcess) {
   const TemporaryFolder folder;
   const auto run = [&](const std::string& name, const std::vector<std::string>& more) {

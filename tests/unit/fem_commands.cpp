@@ -90,8 +90,8 @@ TEST_P(FemCommand, ForceIsThatOfANodalLoad) {
   by_load.checkpoint();
   FlexibleBody by_command(clamped_row(GetParam()));
   by_command.initialize({});
-  make(by_command, "force 5,5,5 RIGHT");
-  make(by_command, "force 1,20,-3.5 RIGHT");
+  make(by_command, "force RIGHT 5,5,5");
+  make(by_command, "force RIGHT 1,20,-3.5");
   advance(by_load, 30);
   advance(by_command, 30);
   const double scale = (by_load.state().x - by_load.model().reference()).norm();
@@ -99,7 +99,7 @@ TEST_P(FemCommand, ForceIsThatOfANodalLoad) {
   EXPECT_LT((by_load.state().x - by_command.state().x).norm(), 1e-11 * scale);
   EXPECT_NEAR(by_load.observe().energy.external_work_J, by_command.observe().energy.external_work_J,
               1e-10);
-  make(by_command, "force 0,0,0 RIGHT");
+  make(by_command, "force RIGHT 0,0,0");
   EXPECT_TRUE(by_command.state().boundary.forces.empty());
 }
 
@@ -116,7 +116,7 @@ TEST_P(FemCommand, RollbackIsExactAcrossCommands) {
     body->initialize({});
     body->checkpoint();
   }
-  const std::vector<std::string> commands{"force 0,0,40 RIGHT", "release LEFT", "fix RIGHT",
+  const std::vector<std::string> commands{"force RIGHT 0,0,40", "release LEFT", "fix RIGHT",
                                           "fix LEFT", "release RIGHT"};
   for (const std::string& command : commands) {
     make(plain, command);
@@ -151,7 +151,7 @@ TEST(FemChanges, ScheduledAreThoseByHand) {
   advance(by_hand, 5);  // 0.045 s is between two steps: the change waits for the next
   make(by_hand, "release LEFT");
   advance(by_hand, 5);
-  make(by_hand, "force 0.1,0.001,7 RIGHT");
+  make(by_hand, "force RIGHT 0.1,0.001,7");
   advance(by_hand, 10);
   EXPECT_EQ(by_hand.state().x, scheduled.state().x);
   EXPECT_EQ(by_hand.state().v, scheduled.state().v);
@@ -175,10 +175,11 @@ TEST(FemChanges, WrongCommandsAreRefusedAndChangeNothing) {
   refused("release RIGHT", "not fixed");
   refused("fix LEFT", "fixed already");
   refused("fix RIGHT", "in the port 'port'");
-  refused("force 1,2 LEFT", "no force");
-  refused("force 1,2,x LEFT", "no force");
-  refused("force 1,2,inf LEFT", "no force");
+  refused("force LEFT 1,2", "no force");
+  refused("force LEFT 1,2,x", "no force");
+  refused("force LEFT 1,2,inf", "no force");
   refused("force 1,2,3", "no node set ''");
+  refused("force 1,2,3 LEFT", "'force SET FX,FY,FZ'");  // the other way round
   refused("melt LEFT", "no command");
   refused("", "no command");
 }

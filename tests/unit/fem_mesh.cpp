@@ -215,6 +215,98 @@ TEST(FemMeshDefects, AbaqusUnknownSet) {
   expect_error("set.inp", box_inp(1) + "*NSET, NSET=N\nNOWHERE\n", 25, "NOWHERE");
 }
 
+TEST(FemMeshDefects, AbaqusEmptyNames) {
+  for (const std::string keyword : {"*NSET, NSET=", "*NSET, NSET= ,", "*ELSET, ELSET="}) {
+    expect_error("empty.inp", box_inp(1) + keyword + "\n1\n", 24, "is empty");
+  }
+  expect_error("node.inp", "*NODE, NSET=\n1, 0, 0, 0\n", 1, "NSET= is empty");
+  expect_error("element.inp", "*ELEMENT, TYPE=C3D4, ELSET=\n1, 1, 2, 3, 4\n", 1, "ELSET= is empty");
+}
+TEST(FemMeshDefects, AbaqusGenerateOverTheWholeRangeOfNumbers) {
+  expect_error("generate.inp",
+               box_inp(1) +
+                   "*NSET, NSET=N, GENERATE\n-9223372036854775808, "
+                   "9223372036854775807, 9223372036854775807\n",
+               25, "makes no sense");
+}
+TEST(FemMeshDefects, NumbersBeyondTheirRange) {
+  // Whose absolute value is no number of 64 bits, and one that an int would take for dimension 2.
+  expect_error("tag.msh", replaced(kMsh, "1 -9 1 5", "1 -9223372036854775808 1 5"), 13,
+               "out of range");
+  expect_error("dimension.msh", replaced(kMsh, "\n3 2 4 2\n", "\n4294967299 2 4 2\n"), 38,
+               "dimension 4294967299");
+  expect_error("names.msh", replaced(kMsh, "\n2 3 \"base\"", "\n-1 3 \"base\""), 7, "dimension -1");
+}
+TEST(FemMeshDefects, NoNumbersLeftForMidNodes) {
+  std::string text = replaced(kMsh, "\n90\n", "\n9223372036854775807\n");
+  const auto file = temporary_file("last.msh", text);
+  EXPECT_EQ(read_mesh({.file = file}).nodes(), 5);
+  try {
+    static_cast<void>(read_mesh({.file = file, .order = 2}));
+    FAIL() << "read";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("no numbers for mid nodes"), std::string::npos)
+        << error.what();
+  }
+}
+TEST(FemMeshDefects, TheSameElementTwice) {
+  // Under another number, with its corners in another order.
+  expect_error("twice.msh", replaced(kMsh, "\n8 20 50 30 40", "\n8 20 30 10 40"), 40,
+               "element 8 has the same corners as element 7 (line 39)");
+}
+
+std::string missing_set(const std::string& name, const std::string& text) {
+  try {
+    static_cast<void>(find_set(read_mesh({.file = temporary_file(name, text)}), {.name = "top"}));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "found";
+}
+
+TEST(FemMeshDefects, NoGroupsAtAllSayHowToMakeThem) {
+  const std::string no_names =
+      replaced(kMsh, "$PhysicalNames\n2\n0 7 \"tip\"\n2 3 \"base\"\n$EndPhysicalNames\n", "");
+  const std::string bare = replaced(
+      replaced(replaced(no_names, "0 0 0 1 7\n", "0 0 0 0\n"), "1 1 0 1 3 0\n", "1 1 0 0 0\n"),
+      "1 1 1 1 -9 1 5\n", "1 1 1 0 1 5\n");
+  const std::string gmsh = missing_set("bare.msh", bare);
+  EXPECT_NE(gmsh.find("Physical Surface(\"NAME\")"), std::string::npos) << gmsh;
+  EXPECT_NE(gmsh.find("Mesh.SaveAll = 0"), std::string::npos) << gmsh;
+  const std::string abaqus = missing_set("bare.inp",
+                                         "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n"
+                                         "*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n");
+  EXPECT_NE(abaqus.find("*NSET, NSET=NAME"), std::string::npos) << abaqus;
+  const std::string other = missing_set("named.msh", kMsh);
+  EXPECT_NE(other.find("It has: 9, base, tip."), std::string::npos) << other;
+}
+
+TEST(FemModel, SetOfAllNodesIsRefusedAtItsPlace) {
+  const auto refusal = [](Params params) -> std::string {
+    try {
+      Model model(params);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "taken";
+  };
+  Params params = bar_with_two_ports();
+  params.mesh.file = temporary_file("all.inp", box_inp(2));
+  const Params good = params;
+  params.ports.resize(1);
+  params.ports[0].set = {.name = "ALL", .place = {"a.yaml", 7, 3}};
+  EXPECT_NE(refusal(params).find("a.yaml:7:3: the set 'ALL' of port '" + params.ports[0].name +
+                                 "' holds every node"),
+            std::string::npos)
+      << refusal(params);
+  params = good;
+  params.ports.clear();
+  params.fixed = {{.name = "ALL", .place = {"a.yaml", 8, 3}}};
+  EXPECT_NE(refusal(params).find("a.yaml:8:3: the fixed set 'ALL' holds every node"),
+            std::string::npos)
+      << refusal(params);
+}
+
 TEST(FemModel, NodeInTwoPortsIsRefused) {
   Params params = bar_with_two_ports();
   params.ports[1].set.name = "left";

@@ -68,6 +68,7 @@ output:
   vtu_every_steps: 0
   bodies_every_steps: 1
   energy_every_steps: 0
+  log_every_steps: 1
 )");
 }
 
