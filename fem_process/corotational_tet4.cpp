@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "fem_process/floating_frame.h"
 #include "fem_process/polar.h"
 
 namespace tandem::fem {
@@ -97,6 +98,51 @@ Eigen::VectorXd CorotationalTet4::derivative(const Eigen::VectorXd& x, const Eig
     }
   }
   return change;
+}
+
+/// As one matrix an element: with a_i = Rᵀ dx_i, ω = Σ W_i a_i, W_i = (tr S I − S)⁻¹ [g_i]×,
+///   df_i = R (Σ_j K_ij a_j + (Σ_j K_ij [x_j]× − [q_i]×) ω),  x_j local, g_j the gradient of N_j.
+Eigen::MatrixXd CorotationalTet4::derivatives(const Eigen::VectorXd& x,
+                                              const Eigen::MatrixXd& dx) const {
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 12>;
+  const Eigen::MatrixXd directions = dx.transpose();  // one direction a row: side by side
+  Eigen::MatrixXd changes = Eigen::MatrixXd::Zero(dx.cols(), dx.rows());
+  Columns moved(dx.cols(), 12);
+  Columns forces(dx.cols(), 12);
+  for (const Tet4& element : elements_) {
+    const Local local = localise(element, x);
+    const Eigen::Matrix3d Rt = local.R.transpose();
+    const Eigen::Matrix3d S = Rt * local.F;
+    const Eigen::Matrix3d T = S.trace() * Eigen::Matrix3d::Identity() - S;
+    const Eigen::Matrix3d T_inverse = T.inverse();
+    const Vector12d q = element.K * local.u;
+    Eigen::Matrix<double, 3, 12> W;
+    Eigen::Matrix<double, 12, 3> arms;
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Index node = 3 * element.nodes[static_cast<std::size_t>(i)];
+      const Eigen::Vector3d x_local =
+          Rt * (x.segment<3>(node) - x.segment<3>(3 * element.nodes[0]));
+      W.middleCols<3>(3 * i) = T_inverse * cross_matrix(element.gradients.row(i).transpose());
+      arms.middleRows<3>(3 * i) = cross_matrix(x_local);
+    }
+    Eigen::Matrix<double, 12, 3> of_turn = element.K * arms;
+    for (int i = 0; i < 4; ++i) of_turn.middleRows<3>(3 * i) -= cross_matrix(q.segment<3>(3 * i));
+    Eigen::Matrix<double, 12, 12> tangent = element.K + of_turn * W;
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        tangent.block<3, 3>(3 * i, 3 * j) =
+            (local.R * tangent.block<3, 3>(3 * i, 3 * j) * Rt).eval();
+      }
+      moved.middleCols<3>(3 * i) =
+          directions.middleCols<3>(3 * element.nodes[static_cast<std::size_t>(i)]);
+    }
+    forces.noalias() = moved * tangent.transpose();
+    for (int i = 0; i < 4; ++i) {
+      changes.middleCols<3>(3 * element.nodes[static_cast<std::size_t>(i)]) +=
+          forces.middleCols<3>(3 * i);
+    }
+  }
+  return changes.transpose();
 }
 
 double CorotationalTet4::energy(const Eigen::VectorXd& x) const {

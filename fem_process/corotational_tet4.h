@@ -31,6 +31,8 @@ class CorotationalTet4 final : public Formulation {
   int evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K) const override;
   [[nodiscard]] Eigen::VectorXd derivative(const Eigen::VectorXd& x, const Eigen::VectorXd& y,
                                            const Eigen::VectorXd& dx) const override;
+  [[nodiscard]] Eigen::MatrixXd derivatives(const Eigen::VectorXd& x,
+                                            const Eigen::MatrixXd& dx) const override;
   [[nodiscard]] double energy(const Eigen::VectorXd& x) const override;
   [[nodiscard]] std::vector<ElementResult> element_results(const Eigen::VectorXd& x) const override;
 

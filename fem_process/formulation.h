@@ -31,6 +31,15 @@ class Formulation {
                                                    const Eigen::VectorXd& y,
                                                    const Eigen::VectorXd& dx) const = 0;
 
+  /// The same with y = 0 along many directions, a column each.
+  [[nodiscard]] virtual Eigen::MatrixXd derivatives(const Eigen::VectorXd& x,
+                                                    const Eigen::MatrixXd& dx) const {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(x.size());
+    Eigen::MatrixXd changes(dx.rows(), dx.cols());
+    for (Eigen::Index c = 0; c < dx.cols(); ++c) changes.col(c) = derivative(x, none, dx.col(c));
+    return changes;
+  }
+
   /// Strain energy (J).
   [[nodiscard]] virtual double energy(const Eigen::VectorXd& x) const = 0;
 

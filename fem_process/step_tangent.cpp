@@ -219,21 +219,25 @@ SolveReport StepTangent::correct_once(const Step& step, const std::vector<Eigen:
   // S δ together as much as in the reaction afterwards.
   Eigen::VectorXd y = result.d;
   if (result.damped.size() > 0) y += model_.params.damping.beta_s * result.damped;
+  const auto direction_of = [&](Eigen::Index k) -> Direction& {
+    return directions_[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])];
+  };
+  Eigen::MatrixXd dx(step.begin.x.size(), count);
   for (Eigen::Index k = 0; k < count; ++k) {
-    Direction& direction =
-        directions_[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])];
-    Eigen::VectorXd dx = direction.dd;
+    Direction& direction = direction_of(k);
     direction.dd_first = direction.dd;
-    direction.turning.resize(0);
+    dx.col(k) = direction.dd;
+    if (direction.started()) dx.col(k) += direction.map.x_tilde;
+  }
+  const Eigen::MatrixXd of_force = model_.formulation->derivatives(again.map.x_tilde, dx);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    Direction& direction = direction_of(k);
+    direction.turning = of_force.col(k);
     if (direction.started()) {
       const Eigen::VectorXd& dx_tilde = direction.map.x_tilde;
-      dx += dx_tilde;
-      direction.turning = step_.turning(first, first.map.x_tilde, y, dx_tilde) -
-                          step_.turning(first, first.map.x_tilde, none, dx_tilde);
+      direction.turning += step_.turning(first, first.map.x_tilde, y, dx_tilde) -
+                           step_.turning(first, first.map.x_tilde, none, dx_tilde);
     }
-    const Eigen::VectorXd of_force = model_.formulation->derivative(again.map.x_tilde, none, dx);
-    direction.turning =
-        direction.turning.size() > 0 ? Eigen::VectorXd(direction.turning + of_force) : of_force;
     delta.col(k) = -gather(residual(step, direction, {}), model_.free);
   }
   const Eigen::VectorXd norms = delta.colwise().norm();
