@@ -145,11 +145,16 @@ void book_bushings(const Model& model, const State& begin, const StepForces& ste
 
 double bushing_loss_W(const LoosePorts& loose, const MotionSet& motions, const Eigen::VectorXd& q,
                       const Eigen::VectorXd& q_rate) {
+  // Of the set as it stands, carried along by the port: then a bushing damps nothing.
   Eigen::VectorXd with_port = q_rate;
   for (std::size_t k = 0; k < loose.ports().size(); ++k) {
-    const LoosePorts::Port& port = loose.ports()[k];
-    with_port.segment<12>(12 * static_cast<Eigen::Index>(k)) =
-        rigid_rates(port.average, motions[port.index]);
+    const Motion& motion = motions[loose.ports()[k].index];
+    const Eigen::Index row = 12 * static_cast<Eigen::Index>(k);
+    const Eigen::Vector3d arm = q.segment<3>(row) - motion.p_WP;
+    with_port.segment<3>(row) = motion.v_WP + motion.w_WP.cross(arm);
+    for (Eigen::Index j = row + 3; j < row + 12; j += 3) {
+      with_port.segment<3>(j) = motion.w_WP.cross(Eigen::Vector3d(q.segment<3>(j)));
+    }
   }
   const Eigen::VectorXd viscous =
       loose.bushing_forces(motions, q, q_rate) - loose.bushing_forces(motions, q, with_port);

@@ -209,15 +209,19 @@ TEST_P(FemTurning, OnAveragingPortsAndBushingsLikewise) {
     double torque = 0.0;
     const int steps = 800;
     const int last = 100;
+    EnergyBook settled;
     for (int k = 1; k <= steps; ++k) {
       const auto result = body.advance(request(hub((k - 1) * h), hub(k * h), params.micro_step));
       ASSERT_EQ(result.outcome, Outcome::Done) << result.message;
+      if (k == steps - last) settled = body.observe().energy;
       if (k <= steps - last) continue;
       force += result.output[0].f_P_W.norm() / last;
       torque += result.output[0].t_P_W.z() / last;
     }
     const double mean = means ? std::sin(0.05) / 0.05 : 1.0;
     const bool gives = attachment.kind == scenario::AttachmentKind::Bushing;
+    const EnergyBook end = body.observe().energy;
+    EXPECT_LT(std::abs(end.damping_loss_J - settled.damping_loss_J), 1e-6 * end.kinetic_J);
     // The bar moves out by F/k, which adds that part of its mean radius.
     const double out = gives ? 1.0 / (1.0 - mass * w2 / stiffness) : 1.0;
     EXPECT_NEAR(force / (mean * expected * out), 1.0, 1e-3) << gives;
