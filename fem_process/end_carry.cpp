@@ -51,6 +51,16 @@ Vector12 arms_of(const LoosePorts::Port& port, const Motion& motion) {
 
 }  // namespace
 
+/// A light body on a bushing swings against the part, which its rate would then shake.
+bool EndCarry::turns_by_itself(const BodyPart& part) const {
+  return part.holders.empty() ||
+         std::any_of(part.holders.begin(), part.holders.end(), [this](int holder) {
+           return holder != BodyPart::kGround &&
+                  model_.ports[static_cast<std::size_t>(holder)].attachment.kind ==
+                      scenario::AttachmentKind::Bushing;
+         });
+}
+
 Eigen::Vector3d EndCarry::holders_rate(const BodyPart& part, const MotionSet& ports) const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int holder : part.holders) {
@@ -187,8 +197,8 @@ Carried EndCarry::begin(const State& state, double h_s) const {
     const BodyPart& part = parts_[s];
     Eigen::Vector3d omega = Eigen::Vector3d::Zero();
     if (rotates_) {
-      omega = part.holders.empty() ? own_motion(part, state.x, state.v).omega
-                                   : holders_rate(part, state.port_motions);
+      omega = turns_by_itself(part) ? own_motion(part, state.x, state.v).omega
+                                    : holders_rate(part, state.port_motions);
     }
     turn(omega, h_s, carried.turns[s]);
     carried.turning = carried.turning || !omega.isZero(0.0);

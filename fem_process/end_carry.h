@@ -5,9 +5,9 @@
 namespace tandem::fem {
 
 /// Carry of Newmark's family, in the axes at the end of the step. Held parts turn at the mean
-/// angular velocity ω of their holders at the beginning of the step, free ones at their own; origin
-/// p, v, a, q of the holder (of a free part: means over its mass), blended by φ where there are
-/// several. With r = x − p, Q = exp(h [ω]×), ω² r = ω × (ω × r):
+/// angular velocity ω of their holders at the beginning of the step, free ones and those on
+/// bushings at their own; origin p, v, a, q of the holder (of a free part: means over its mass),
+/// blended by φ where there are several. With r = x − p, Q = exp(h [ω]×), ω² r = ω × (ω × r):
 ///   x̂ = p + Q r,  v̂ = v − ω × r,  â = a_p + Q (a − a_p − ω² r),  q̂ = q_p + Q (q − q_p − ω² r)
 /// are what the plain step starts from, to
 ///   x⁺ = x̂ + (its displacement) + Σ_k φ_k e_k,   M (q⁺ + ω² r̃) + C (y − y_ref) + f(x⁺) = f_ext + …
@@ -53,6 +53,7 @@ class EndCarry final : public Carry {
   };
   void refer(std::size_t s, const State& begin, const Carried& carried, const MotionSet& end,
              Eigen::VectorXd& v) const override;
+  [[nodiscard]] bool turns_by_itself(const BodyPart& part) const;
   [[nodiscard]] Eigen::Vector3d holders_rate(const BodyPart& part, const MotionSet& ports) const;
   [[nodiscard]] std::vector<Origin> origins(const BodyPart& part, const State& state) const;
   void see(const BodyPart& part, const State& state, const Carried::Turn& turn, Carried& carried,

@@ -207,7 +207,7 @@ TEST_P(FemTurning, OnAveragingPortsAndBushingsLikewise) {
     const double h = to_seconds(params.micro_step);
     double force = 0.0;
     double torque = 0.0;
-    const int steps = 800;
+    const int steps = 2000;
     const int last = 100;
     EnergyBook settled;
     for (int k = 1; k <= steps; ++k) {
