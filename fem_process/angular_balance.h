@@ -20,8 +20,9 @@ namespace tandem::fem {
 /// what the linearised elastic forces have of one, m = Σ (x_m − c) × (M (v⁺ − v)/h − f_ext − r).
 /// Torques about P with the arms x_m − P, and further
 ///   t_k −= κ_k + μ_k m,   μ_k = Σ_i m_i φ_ik / Σ_i m_i,
-/// close the angular momentum of a part and its ports to round-off over every step. κ and m are of
-/// first order in h: the port's own motion and the body's elastic one during the turn.
+/// close the angular momentum of a part and its ports to round-off over every step; damping forces
+/// count as external ones and keep the moments that they have. κ and m are of first order in h: the
+/// port's own motion and the body's elastic one during the turn.
 ///
 /// The ground takes up the m of what it holds (μ = 0). Internal forces of the linear formulation
 /// have moments: there μ = 0 and h κ_k = Σ (x⁺ − x − h v⁺) × p_k⁺ alone.
@@ -51,8 +52,9 @@ class AngularBalance {
   /// Adds the derivative of what add() adds.
   void add_change(const Change& change, WrenchSet& wrenches) const;
 
-  /// The same as a linear map, where the beginning of the step does not change, there is no drag,
-  /// and x⁺ of a node that no port holds rigidly moves by h Q^½ δv + Σ_l φ_l (δp_l − h Q^½ δv_l).
+  /// The same as a linear map, where the beginning of the step does not change, there is no
+  /// damping, and x⁺ of a node that no port holds rigidly moves by h Q^½ δv + Σ_l φ_l (δp_l − h Q^½
+  /// δv_l).
   struct Rows {
     Eigen::MatrixXd free;   ///< 3 columns per port, transposed: of δv of the free nodes
     Eigen::MatrixXd ports;  ///< 3 rows per port: of (δp, δv) of the ports' origins, by those nodes
