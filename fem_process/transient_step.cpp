@@ -7,7 +7,6 @@
 
 #include "fem_process/angular_balance.h"
 #include "fem_process/make_formulation.h"
-#include "fem_process/nearby_solver.h"
 #include "fem_process/node_vectors.h"
 #include "fem_process/round_off.h"
 #include "fem_process/step_energy.h"
