@@ -61,8 +61,18 @@ inline std::vector<pid_t> processes_with(const std::string& text) {
   return found;
 }
 
-inline const std::string kTandem = TANDEM_BIN_DIR "/tandem";
-inline const std::string kExamples = TANDEM_SOURCE_DIR "/examples/";
+/// The path itself, or a link to it: LD_PRELOAD and unquoted words of a shell know no spaces.
+inline std::string without_spaces(const std::string& path) {
+  if (path.find(' ') == std::string::npos) return path;
+  const std::string link = "/tmp/tandem_link_" + std::to_string(getuid()) + "_" +
+                           std::to_string(std::hash<std::string>{}(path));
+  std::error_code exists_already;
+  std::filesystem::create_symlink(path, link, exists_already);
+  return link;
+}
+
+inline const std::string kTandem = without_spaces(TANDEM_BIN_DIR) + "/tandem";
+inline const std::string kExamples = without_spaces(TANDEM_SOURCE_DIR) + "/examples/";
 
 /// What a command said and how it ended; −1: it still ran after the time given and was killed.
 struct Ended {
@@ -72,7 +82,7 @@ struct Ended {
 
 /// A preloaded library comes before a sanitizer's runtime; it does not use it.
 inline Environment with_preload(Environment extra, const std::string& library) {
-  extra["LD_PRELOAD"] = library;
+  extra["LD_PRELOAD"] = without_spaces(library);
   extra["ASAN_OPTIONS"] = "verify_asan_link_order=0";
   return extra;
 }
