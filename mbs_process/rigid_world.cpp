@@ -76,6 +76,7 @@ RigidWorld::RigidWorld(Params params)
       loads_(params_),
       rule_(wrench_rule(params_)),
       world_(params_),
+      gaps_(params_),
       state_(initial_state(params_)),
       saved_(state_) {
   info_.name = "mbs";
@@ -150,6 +151,7 @@ Observation RigidWorld::observe() {
         params_.bodies[i].mass_kg * params_.gravity_m_per_s2.dot(state_.bodies[i].p_WB);
   }
   observation.state_hash = hash_of(state_);
+  observation.widest_joint = gaps_.widest(state_);
   return observation;
 }
 

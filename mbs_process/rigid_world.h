@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "mbs_process/joint_gap.h"
 #include "mbs_process/loads.h"
 #include "mbs_process/motor_rate.h"
 #include "mbs_process/ode_world.h"
@@ -111,6 +112,7 @@ class RigidWorld final : public MbsSide {
   Loads loads_;
   WrenchRule rule_;
   OdeWorld world_;
+  JointGaps gaps_;
   SortedWrenches sorted_;  ///< of the present dWorldStep
   State state_;
   State saved_;

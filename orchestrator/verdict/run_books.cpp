@@ -62,6 +62,15 @@ void add_turn(const Model& model, const std::filesystem::path& folder, RunBooks&
   books.turning = "body '" + found.body + "'";
 }
 
+void add_gap(const Model& model, const ordered_json& widest, RunBooks& books) {
+  const auto joint = widest.at("joint").get<std::int64_t>();
+  if (joint < 0) return;
+  books.joint_gap_m = number_at(widest, "gap_m");
+  books.joint_gap_part = number_at(widest, "part_of_arm");
+  const std::vector<scenario::Node> joints = model.scenario.root.section("mbs").list("joints");
+  books.open_joint = joints.at(static_cast<std::size_t>(joint)).text("name");
+}
+
 }  // namespace
 
 bool is_second_order(const scenario::Node& fem) {
@@ -110,6 +119,7 @@ RunBooks books_of_run(const Model& model, bool monolithic, const ordered_json& s
   books.largest_turn_rad = number_at(turn, "rad");
   books.turning = "port '" + turn.at("port").get<std::string>() + "'";
   add_turn(model, folder, books);
+  add_gap(model, summary.at("widest_joint"), books);
   return books;
 }
 

@@ -136,6 +136,16 @@ void judge_model(const RunBooks& books, std::vector<Cause>& causes) {
                                books.adaptive ? "coupling.adaptive.max_step_s" : "run.macro_step_s",
                                step_s)});
   }
+  if (exceeds(books.joint_gap_part, Limits::kJointGap)) {
+    causes.push_back(
+        {.name = "joint_gap",
+         .value = books.joint_gap_part,
+         .threshold = Limits::kJointGap,
+         .text = fmt::format("joint '{}' came apart by up to {:.3g} m, {} of its arm",
+                             books.open_joint, books.joint_gap_m, percent(books.joint_gap_part)),
+         .remedy = "lower mbs.micro_step_s or run.macro_step_s (half the step, a quarter of the "
+                   "gap), or raise mbs.erp."});
+  }
   if (exceeds(books.elastic_turn_rad, Limits::kElasticTurn_rad)) {
     causes.push_back(
         {.name = "elastic_turn",

@@ -31,6 +31,9 @@ struct RunBooks {
   std::string turning;            ///< "port 'hub'"
   double largest_step_s = 0.0;    ///< H
   double elastic_turn_rad = 0.0;  ///< of an element whose shapes add up linearly
+  double joint_gap_part = 0.0;    ///< by which a joint came apart, of its arm; see mbs::JointGaps
+  double joint_gap_m = 0.0;
+  std::string open_joint;  ///< its name
 
   std::int64_t macro_steps = 0;
   std::int64_t not_converged_steps = 0;
@@ -57,6 +60,7 @@ struct VerdictLimits {
   static constexpr double kBalanceError = 0.01;
   /// What a step turns by H ω it misses by up to (H ω)²/2: 2 % here.
   static constexpr double kTurn_rad = 0.2;
+  static constexpr double kJointGap = 0.01;  ///< part of the joint's arm
   static constexpr double kElasticTurn_rad = fem::kMostElasticTurn_rad;
   static constexpr double kParasiticMass = 0.1;  ///< part of the lightest body that carries a port
 };

@@ -52,6 +52,13 @@ struct StepResult {
   CallCost cost;                                   ///< where the time of this call went
 };
 
+/// How far a joint of the multibody side has come apart.
+struct JointGap {
+  double gap_m = 0.0;
+  double part = 0.0;        ///< of the joint's arm
+  std::int32_t joint = -1;  ///< in the order of the scenario; -1: none has
+};
+
 struct Observation {
   SimTime time{};
   EnergyBook energy;
@@ -59,6 +66,7 @@ struct Observation {
   /// Largest elastic turn of an element since t = 0 (rad), of a body whose shapes add up linearly
   /// and which is therefore good for small ones only; 0: any turn is right.
   double elastic_turn_rad = 0.0;
+  JointGap widest_joint;
 };
 
 /// How a side took a command.

@@ -314,6 +314,9 @@ class CoupledRun {
     const Observation fem = fem_.observe();
     energy = {.mbs = mbs.energy, .fem = fem.energy};
     report_.elastic_turn_rad = std::max(report_.elastic_turn_rad, fem.elastic_turn_rad);
+    if (!(mbs.widest_joint.part <= report_.widest_joint.part)) {
+      report_.widest_joint = mbs.widest_joint;
+    }
     StateHash hash;
     hash.add(mbs.state_hash);
     hash.add(fem.state_hash);

@@ -105,6 +105,9 @@ void encode(const Reply& reply, Bytes& message) {
   fixed.numerical_loss_J = reply.observation.energy.numerical_loss_J;
   fixed.state_hash = static_cast<std::int64_t>(reply.observation.state_hash);
   fixed.elastic_turn_rad = reply.observation.elastic_turn_rad;
+  fixed.joint_gap_m = reply.observation.widest_joint.gap_m;
+  fixed.joint_gap_part = reply.observation.widest_joint.part;
+  fixed.gap_joint = reply.observation.widest_joint.joint;
   codec::begin(fixed,
                {{reply.motions.size(), kMotionBytes},
                 {reply.wrenches.size(), kWrenchBytes},
@@ -163,6 +166,9 @@ bool decode(ByteView message, Reply& reply) {
                               .numerical_loss_J = fixed->numerical_loss_J};
   reply.observation.state_hash = static_cast<std::uint64_t>(fixed->state_hash);
   reply.observation.elastic_turn_rad = fixed->elastic_turn_rad;
+  reply.observation.widest_joint = {.gap_m = fixed->joint_gap_m,
+                                    .part = fixed->joint_gap_part,
+                                    .joint = static_cast<std::int32_t>(fixed->gap_joint)};
   std::span<double> jacobian;
   if (reply.jacobian) {
     jacobian = {reply.jacobian->data(), static_cast<std::size_t>(reply.jacobian->size())};

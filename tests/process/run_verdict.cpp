@@ -66,6 +66,21 @@ TEST(RunVerdict, NamesTheLossOfTheReducedPendulum) {
   EXPECT_TRUE(judged("pendulum_beam", {}, second).causes().empty());
 }
 
+// At 8 ms the crank's pin misses its circle by h² w² r / (2 erp): 5.7 mm of 100 mm.
+TEST(RunVerdict, NamesJointsThatComeApart) {
+  const TemporaryFolder first;
+  const Judged torn = judged("slider_crank", {"--set", "run.macro_step_s=0.008"}, first);
+  ASSERT_EQ(torn.ended.code, 0) << torn.ended.output;
+  const auto& widest = torn.summary.at("widest_joint");
+  EXPECT_NEAR(widest.at("gap_m").get<double>(), 5.7e-3, 1.5e-3);
+  const std::vector<std::string> causes = torn.causes();
+  EXPECT_NE(std::find(causes.begin(), causes.end(), "joint_gap"), causes.end());
+  EXPECT_NE(torn.ended.output.find("joint 'crank_pin' came apart by up to"), std::string::npos)
+      << torn.ended.output;
+  const TemporaryFolder second;
+  EXPECT_TRUE(judged("slider_crank", {}, second).causes().empty());
+}
+
 // Ten times the density, explicit, second order: below the monitor's limit, but the energy grows.
 TEST(RunVerdict, NamesEnergyThatAnExplicitSchemeMakes) {
   const std::vector<std::string> heavy =

@@ -74,6 +74,8 @@ INSTANTIATE_TEST_SUITE_P(
                   }},
         Threshold{"turn_per_step", Limits::kTurn_rad,
                   [](RunBooks& b, double turn) { b.largest_turn_rad = turn; }},
+        Threshold{"joint_gap", Limits::kJointGap,
+                  [](RunBooks& b, double part) { b.joint_gap_part = part; }},
         Threshold{"elastic_turn", Limits::kElasticTurn_rad,
                   [](RunBooks& b, double turn) { b.elastic_turn_rad = turn; }},
         Threshold{"parasitic_mass", Limits::kParasiticMass,

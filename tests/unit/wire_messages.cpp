@@ -133,7 +133,7 @@ Reply some_reply() {
   reply.solver_iterations = 12;
   reply.jacobian = Eigen::MatrixXd::Random(18, 36);
   (*reply.jacobian)(3, 4) = std::bit_cast<double>(kOddBits[1]);
-  reply.observation = {SimTime(9), some_book(), 0x8000000000000001ULL, 0.3};
+  reply.observation = {SimTime(9), some_book(), 0x8000000000000001ULL, 0.3, {2e-3, 0.04, 7}};
   reply.motions = odd_motions();
   reply.wrenches = odd_wrenches();
   return reply;
@@ -163,6 +163,9 @@ TEST(WireMessages, ReplyCrossesBitForBit) {
   EXPECT_TRUE(same_bits(back->observation.energy.potential_J, -0.0));
   EXPECT_EQ(back->observation.state_hash, 0x8000000000000001ULL);
   EXPECT_EQ(back->observation.elastic_turn_rad, 0.3);
+  EXPECT_EQ(back->observation.widest_joint.gap_m, 2e-3);
+  EXPECT_EQ(back->observation.widest_joint.part, 0.04);
+  EXPECT_EQ(back->observation.widest_joint.joint, 7);
   EXPECT_TRUE(same_bits(back->motions, reply.motions));
   EXPECT_TRUE(same_bits(back->wrenches, reply.wrenches));
 }
