@@ -4,7 +4,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -18,8 +17,6 @@ namespace {
 constexpr double kLongest_m = 30.0;
 constexpr double kHeaviest_kg = 1e6;
 constexpr double kSmallest_m = 1e-6;
-constexpr double kLightest_kg_per_m3 = 10.0;
-constexpr double kDensest_kg_per_m3 = 25000.0;
 constexpr double kFarPort = 3.0;
 constexpr double kSlender = 5.0;
 constexpr double kMostExcess = 0.1;
@@ -32,38 +29,6 @@ double diagonal_of(const fem::TetMesh& mesh, const std::vector<int>& nodes) {
 
 double mass_of(const fem::Model& model) {
   return std::accumulate(model.nodal_mass.begin(), model.nodal_mass.end(), 0.0);
-}
-
-/// A unit, and what its numbers are multiplied by to be kg/m³.
-struct Unit {
-  const char* name;
-  double factor;
-};
-
-/// The unit in which the number is a density of solids.
-const Unit* likely_unit(double density) {
-  static constexpr std::array<Unit, 4> kUnits{
-      {{"t/mm³", 1e12}, {"kg/mm³", 1e9}, {"g/cm³", 1e3}, {"g/m³", 1e-3}}};
-  for (const Unit& unit : kUnits) {
-    const double value = density * unit.factor;
-    if (value >= 500.0 && value <= kDensest_kg_per_m3) return &unit;
-  }
-  return nullptr;
-}
-
-std::optional<Finding> implausible_density(const scenario::Node& material, double density) {
-  if (density >= kLightest_kg_per_m3 && density <= kDensest_kg_per_m3) return std::nullopt;
-  std::string text = fmt::format("{:g} kg/m³ is no density of a solid ({:g} to {:g}). ", density,
-                                 kLightest_kg_per_m3, kDensest_kg_per_m3);
-  if (const Unit* unit = likely_unit(density)) {
-    text += fmt::format(
-        "In {} it would be {:g} kg/m³: write that, and forces in N, lengths in m, "
-        "moduli in Pa.",
-        unit->name, density * unit->factor);
-  } else {
-    text += "Write it in kg/m³.";
-  }
-  return finding_at(material, "density_kg_per_m3", "implausible_density", text);
 }
 
 double extent(const fem::TetMesh& mesh, const Eigen::Vector3d& axis) {
@@ -149,22 +114,6 @@ std::optional<Finding> implausible_size(const scenario::Node& root, const fem::M
                     size_m / scale));
   }
   return std::nullopt;
-}
-
-std::vector<Finding> implausible_densities(const scenario::Node& root, const fem::Model& model) {
-  const scenario::Node fem = root.section("fem");
-  std::vector<Finding> findings;
-  const auto judge = [&](const scenario::Node& node, std::size_t index) {
-    const double density = model.materials.list.at(index).density_kg_per_m3;
-    if (auto found = implausible_density(node, density)) findings.push_back(std::move(*found));
-  };
-  if (model.params.materials.empty()) {
-    judge(fem.section("material"), 0);
-    return findings;
-  }
-  const std::vector<scenario::Node> sections = fem.list("materials");
-  for (std::size_t s = 0; s < sections.size(); ++s) judge(sections[s], s);
-  return findings;
 }
 
 std::vector<Finding> far_ports(const scenario::Node& root, const fem::Model& model,

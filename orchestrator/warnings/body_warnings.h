@@ -11,10 +11,6 @@ namespace tandem::orchestrator {
 [[nodiscard]] std::optional<Finding> implausible_size(const scenario::Node& root,
                                                       const fem::Model& model);
 
-/// Densities outside of 10 … 25000 kg/m³, with the unit that would explain them.
-[[nodiscard]] std::vector<Finding> implausible_densities(const scenario::Node& root,
-                                                         const fem::Model& model);
-
 /// Ports whose origin is further from their nearest node than three times the extent of their
 /// nodes. `origins`: the ports at t = 0.
 [[nodiscard]] std::vector<Finding> far_ports(const scenario::Node& root, const fem::Model& model,

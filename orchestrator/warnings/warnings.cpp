@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "orchestrator/warnings/body_warnings.h"
+#include "orchestrator/warnings/material_warnings.h"
 #include "orchestrator/warnings/setup_warnings.h"
 #include "orchestrator/warnings/stability_warnings.h"
 
@@ -24,6 +25,7 @@ std::vector<Finding> warnings_of(const scenario::Node& root, const fem::Model& b
   std::vector<Finding> all;
   add(implausible_size(root, body), all);
   add(implausible_densities(root, body), all);
+  add(implausible_moduli(root, body), all);
   add(coarse_in_bending(root, body), all);
   add(unstable_newmark(root, body), all);
   return all;

@@ -87,6 +87,25 @@ TEST(CheckWarnings, DensityOfOneOfSeveralMaterials) {
   EXPECT_EQ(text_of("implausible_density", "sandwich", {}), "");
 }
 
+TEST(CheckWarnings, ModulusInAnotherUnit) {
+  const auto text_at = [](const std::string& modulus, const std::string& density) {
+    return text_of(
+        "implausible_modulus", "two_masses",
+        {{"fem.material.young_Pa", modulus}, {"fem.material.density_kg_per_m3", density}});
+  };
+  expect_words(text_at("210", "7850"), {"0.164 m/s", "210 GPa is 2.1e+11 Pa"});
+  expect_words(text_at("210000", "7850"), {"210000 MPa is 2.1e+11 Pa"});
+  expect_words(text_at("70000", "2700"), {"70000 MPa is 7e+10 Pa"});
+  expect_words(text_at("2.1e14", "7850"), {"as in no solid", "Check modulus"});
+  EXPECT_EQ(text_at("2.1e11", "7850"), "");  // steel
+  EXPECT_EQ(text_at("1.2e12", "3500"), "");  // diamond
+  EXPECT_EQ(text_at("7e6", "2200"), "");     // filled rubber
+  EXPECT_EQ(text_at("2e3", "1000"), "");     // jelly
+  expect_words(text_at("900", "1000"), {"0.949 m/s"});
+  // Of a density in t/mm³ that alone is said.
+  EXPECT_EQ(text_at("2.1e11", "7.85e-9"), "");
+}
+
 TEST(CheckWarnings, GravityOnOneSideOnly) {
   const std::string name = "gravity_on_one_side";
   expect_words(text_of(name, "lug", {{"fem.gravity_m_per_s2", "[0, 0, 0]"}}),
