@@ -23,13 +23,13 @@ AngularBalance::AngularBalance(const Model& model, const Carry& carry, const Ste
       step_(step),
       h_s_(step.carried.h_s),
       rotates_(carry.rotates()),
-      v_(weighed(step.begin.v)),
+      v_{step.begin.v, step.momentum},
       v_end_(weighed(step.after.v)),
       internal_((v_end_.Ma - v_.Ma) / h_s_ - step.external - step.react),
       arm_(step.carried.begin.x) {
   if (rotates_) {
     out_ = weighed(step.after.x - step.carried.begin.x);
-    back_ = weighed(step.begin.x - step.carried.begin.x);
+    back_ = {step.begin.x - step.carried.begin.x, step.behind};
   } else {
     out_ = weighed(step.after.x - step.begin.x - h_s_ * step.after.v);
   }

@@ -31,6 +31,8 @@ class AngularBalance {
   struct Step {
     const State& begin;
     const Carried& carried;
+    const Eigen::VectorXd& momentum;  ///< M v at the beginning (kg m/s)
+    const Eigen::VectorXd& behind;    ///< M (x − x̃) there (kg m)
     const State& after;
     const Eigen::VectorXd& external;  ///< loads, weight and damping forces of the nodes (N)
     const Eigen::VectorXd& react;     ///< of all ports and of the ground on the nodes (N)
@@ -110,6 +112,8 @@ class AngularBalance {
                                                    const TransientStep::Result& result) {
   return {.begin = begin,
           .carried = kept.carried,
+          .momentum = kept.momentum,
+          .behind = kept.behind,
           .after = result.state,
           .external = result.external,
           .react = result.on_nodes};

@@ -198,6 +198,21 @@ void multiply_eight(const BlockPattern& pattern, const BlockValues& values, cons
                   });
 }
 
+Eigen::MatrixXd multiply_columns(const BlockPattern& pattern, const BlockValues& values,
+                                 const Eigen::MatrixXd& X, ThreadTeam& team) {
+  Eigen::MatrixXd Y(X.rows(), X.cols());
+  EightVectors in;
+  EightVectors out;
+  for (Eigen::Index c = 0; c < X.cols(); c += 8) {
+    const Eigen::Index count = std::min<Eigen::Index>(8, X.cols() - c);
+    in.setZero(8, X.rows());
+    in.topRows(count) = X.middleCols(c, count).transpose();
+    multiply_eight(pattern, values, in, out, team);
+    Y.middleCols(c, count) = out.topRows(count).transpose();
+  }
+  return Y;
+}
+
 Eigen::VectorXd multiply_scalar(const BlockPattern& pattern, const std::vector<double>& values,
                                 const Eigen::VectorXd& x, ProductPart part) {
   if (part.columns != nullptr) {

@@ -67,6 +67,11 @@ using EightVectors = Eigen::Matrix<double, 8, Eigen::Dynamic>;
 void multiply_eight(const BlockPattern& pattern, const BlockValues& values, const EightVectors& X,
                     EightVectors& Y, ThreadTeam& team);
 
+/// A X, one vector a column, eight of them at once; A may be unsymmetric.
+[[nodiscard]] Eigen::MatrixXd multiply_columns(const BlockPattern& pattern,
+                                               const BlockValues& values, const Eigen::MatrixXd& X,
+                                               ThreadTeam& team);
+
 /// y = (S ⊗ I₃) x: one number per block, as in a mass matrix.
 [[nodiscard]] Eigen::VectorXd multiply_scalar(const BlockPattern& pattern,
                                               const std::vector<double>& values,

@@ -1,6 +1,7 @@
 #include "fem_process/corotational_tet4.h"
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 
 #include "fem_process/floating_frame.h"
@@ -100,49 +101,46 @@ Eigen::VectorXd CorotationalTet4::derivative(const Eigen::VectorXd& x, const Eig
   return change;
 }
 
-/// As one matrix an element: with a_i = Rᵀ dx_i, ω = Σ W_i a_i, W_i = (tr S I − S)⁻¹ [g_i]×,
-///   df_i = R (Σ_j K_ij a_j + (Σ_j K_ij [x_j]× − [q_i]×) ω),  x_j local, g_j the gradient of N_j.
+/// The exact tangent is K_R and what the elements' turning adds: with a_i = Rᵀ dx_i,
+/// ω = Σ W_i a_i, W_i = (tr S I − S)⁻¹ [g_i]×, g_i the gradient of N_i, and local positions x_j,
+///   df_i = R (Σ_j K_ij a_j + (Σ_j K_ij [x_j]× − [q_i]×) ω).
 Eigen::MatrixXd CorotationalTet4::derivatives(const Eigen::VectorXd& x,
                                               const Eigen::MatrixXd& dx) const {
-  using Columns = Eigen::Matrix<double, Eigen::Dynamic, 12>;
-  const Eigen::MatrixXd directions = dx.transpose();  // one direction a row: side by side
-  Eigen::MatrixXd changes = Eigen::MatrixXd::Zero(dx.cols(), dx.rows());
-  Columns moved(dx.cols(), 12);
-  Columns forces(dx.cols(), 12);
+  ThreadTeam alone;
+  ThreadTeam& team = team_ != nullptr ? *team_ : alone;
+  Eigen::VectorXd f_int;
+  BlockValues tangent;
+  kernel_.evaluate(x, f_int, tangent, team);
+  using Turn = Eigen::Matrix<double, 12, 3>;
   for (const Tet4& element : elements_) {
     const Local local = localise(element, x);
     const Eigen::Matrix3d Rt = local.R.transpose();
     const Eigen::Matrix3d S = Rt * local.F;
     const Eigen::Matrix3d T = S.trace() * Eigen::Matrix3d::Identity() - S;
-    const Eigen::Matrix3d T_inverse = T.inverse();
-    const Vector12d q = element.K * local.u;
-    Eigen::Matrix<double, 3, 12> W;
-    Eigen::Matrix<double, 12, 3> arms;
+    const Eigen::Matrix3d RT_inverse = local.R * T.inverse();
+    Turn arms;
     for (int i = 0; i < 4; ++i) {
       const Eigen::Index node = 3 * element.nodes[static_cast<std::size_t>(i)];
-      const Eigen::Vector3d x_local =
-          Rt * (x.segment<3>(node) - x.segment<3>(3 * element.nodes[0]));
-      W.middleCols<3>(3 * i) = T_inverse * cross_matrix(element.gradients.row(i).transpose());
-      arms.middleRows<3>(3 * i) = cross_matrix(x_local);
+      arms.middleRows<3>(3 * i) =
+          cross_matrix(Rt * (x.segment<3>(node) - x.segment<3>(3 * element.nodes[0])));
     }
-    Eigen::Matrix<double, 12, 3> of_turn = element.K * arms;
-    for (int i = 0; i < 4; ++i) of_turn.middleRows<3>(3 * i) -= cross_matrix(q.segment<3>(3 * i));
-    Eigen::Matrix<double, 12, 12> tangent = element.K + of_turn * W;
+    // Eigen's blocked product does not pay for matrices of this size.
+    const Vector12d q = element.K.lazyProduct(local.u);
+    const Turn of_turn = element.K.lazyProduct(arms);
+    // In W, with ω turned there as well.
+    std::array<Eigen::Matrix3d, 4> forces;
+    std::array<Eigen::Matrix3d, 4> turns;
     for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) {
-        tangent.block<3, 3>(3 * i, 3 * j) =
-            (local.R * tangent.block<3, 3>(3 * i, 3 * j) * Rt).eval();
-      }
-      moved.middleCols<3>(3 * i) =
-          directions.middleCols<3>(3 * element.nodes[static_cast<std::size_t>(i)]);
+      forces[static_cast<std::size_t>(i)] =
+          local.R * (of_turn.middleRows<3>(3 * i) - cross_matrix(q.segment<3>(3 * i))) * Rt;
+      turns[static_cast<std::size_t>(i)] =
+          RT_inverse * cross_matrix(element.gradients.row(i).transpose()) * Rt;
     }
-    forces.noalias() = moved * tangent.transpose();
-    for (int i = 0; i < 4; ++i) {
-      changes.middleCols<3>(3 * element.nodes[static_cast<std::size_t>(i)]) +=
-          forces.middleCols<3>(3 * i);
+    for (std::size_t k = 0; k < 16; ++k) {
+      block(tangent, element.blocks[k]) += forces[k / 4] * turns[k % 4];
     }
   }
-  return changes.transpose();
+  return multiply_columns(pattern_, tangent, dx, team);
 }
 
 double CorotationalTet4::energy(const Eigen::VectorXd& x) const {

@@ -41,7 +41,8 @@ void TransientStep::correct_once(const Input& input, Linearisation& kept, Eigen:
 
   Eigen::MatrixXd delta =
       -gather(balance(again, input, result.state.attached, v, result.d, a), model_.free);
-  const double scale = multiply_interior(kept.S, gather(v, model_.free)).norm();
+  const double scale =
+      measures_residuals() ? multiply_interior(kept.S, gather(v, model_.free)).norm() : 0.0;
   const double start_s = now_s();
   const SolveReport report =
       kept.solver->solve(delta, Eigen::VectorXd::Constant(1, std::max(scale, delta.norm())));

@@ -15,6 +15,13 @@ StepTimes TransientStep::linearise(const State& begin, double h_s, Linearisation
   kept.carried = carry_->begin(begin, h_s);
   kept.map = kept.carried.map;
   kept.has_correction = false;
+  if (balances_angular()) {
+    const auto times_M = [this](const Eigen::VectorXd& x) {
+      return multiply_scalar(model_.pattern(), model_.mass, x);
+    };
+    kept.momentum = times_M(begin.v);
+    if (carry_->rotates()) kept.behind = times_M(begin.x - kept.carried.begin.x);
+  }
   StepTimes times = linearise_at_tilde(kept.carried, kept);
   if (remembers()) {
     const double start_s = now_s();

@@ -47,25 +47,68 @@ Eigen::VectorXd StepTangent::damping_change(const Step& step, const Direction& d
          step_.turning(last, at, none, dx);
 }
 
-/// Derivative of M a + C w + T f_int − f_ext: of its linearisation at x̃ or, where the step is
-/// iterated to equilibrium, of itself at x⁺.
-Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& direction,
-                                      ProductPart part) const {
-  const Damping& damping = model_.params.damping;
-  const bool corrected = direction.dd_first.size() > 0;
+/// What the stiffness of the linearisation acts on.
+Eigen::VectorXd StepTangent::strained(const Direction& direction) const {
+  Eigen::VectorXd strained = direction.dd;
+  if (direction.dd_first.size() > 0) strained -= direction.dd_first;
+  const double beta_s = model_.params.damping.beta_s;
+  if (beta_s > 0.0 && direction.d_reference.size() > 0) {
+    strained += beta_s * damped_change(direction);
+  }
+  return strained;
+}
+
+/// Of x⁺, nodes with prescribed motion as the balance has them.
+Eigen::VectorXd StepTangent::moved(const Direction& direction) const {
+  Eigen::VectorXd dx = direction.dd;
+  if (direction.started()) dx += direction.map.x_tilde;
+  return dx;
+}
+
+/// residual() of many directions at all nodes, a column each; they meet the stiffness together.
+Eigen::MatrixXd StepTangent::residuals(const Step& step,
+                                       const std::vector<Eigen::Index>& moving) const {
+  const auto count = static_cast<Eigen::Index>(moving.size());
+  const auto direction_of = [&](Eigen::Index k) -> const Direction& {
+    return directions_[static_cast<std::size_t>(moving[static_cast<std::size_t>(k)])];
+  };
+  Eigen::MatrixXd columns(step.begin.x.size(), count);
+  if (count == 0) return columns;
+  const Linearisation& kept = linearised(step, direction_of(0));
+  const bool iterated = kept.kind == Linearisation::Kind::Iterated;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    columns.col(k) = iterated ? moved(direction_of(k)) : strained(direction_of(k));
+  }
+  columns = iterated ? model_.formulation->derivatives(kept.map.x_tilde + step.result.d, columns)
+                     : multiply_columns(model_.pattern(), kept.stiffness(), columns, *model_.team);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    columns.col(k) = residual(step, direction_of(k), {}, columns.col(k));
+  }
+  return columns;
+}
+
+/// The linearisation in which the forces of the direction stand.
+const Linearisation& StepTangent::linearised(const Step& step, const Direction& direction) const {
   const bool iterated = step.last().kind == Linearisation::Kind::Iterated;
-  const Linearisation& kept = corrected || iterated ? step.last() : step.kept;
+  return direction.dd_first.size() > 0 || iterated ? step.last() : step.kept;
+}
+
+/// Derivative of M a + C w + T f_int − f_ext: of its linearisation at x̃ or, where the step is
+/// iterated to equilibrium, of itself at x⁺. `elastic`: the part of the elastic forces, K times
+/// strained() or f_int along moved(), where it is known.
+Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& direction,
+                                      ProductPart part, Eigen::VectorXd elastic) const {
+  const Damping& damping = model_.params.damping;
+  const bool iterated = step.last().kind == Linearisation::Kind::Iterated;
+  const Linearisation& kept = linearised(step, direction);
   const bool damped = direction.d_reference.size() > 0;
   const Eigen::VectorXd rate = damped ? damped_change(direction) : Eigen::VectorXd{};
-  // What damping refers to moves everywhere, not at the port's nodes alone.
-  if (damped) part.columns = nullptr;
   Eigen::VectorXd change;
   if (iterated) {
-    Eigen::VectorXd dx = direction.dd;
-    if (direction.started()) dx += direction.map.x_tilde;
+    const Eigen::VectorXd dx = moved(direction);
     const Eigen::VectorXd at = kept.map.x_tilde + step.result.d;
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(dx.size());
-    change = model_.formulation->derivative(at, none, dx);
+    change = elastic.size() > 0 ? std::move(elastic) : model_.formulation->derivative(at, none, dx);
     Eigen::VectorXd viscous = none;
     if (damping.beta_s > 0.0) {
       viscous = model_.formulation->derivative(at, damping.beta_s * step.result.damped, dx) -
@@ -73,11 +116,10 @@ Eigen::VectorXd StepTangent::residual(const Step& step, const Direction& directi
     }
     carry_.take_mean(step.kept.carried, change);
     change += viscous;
+  } else if (elastic.size() > 0) {
+    change = std::move(elastic);
   } else {
-    Eigen::VectorXd strained = direction.dd;
-    if (corrected) strained -= direction.dd_first;
-    if (damping.beta_s > 0.0) strained += damping.beta_s * rate;
-    change = multiply(model_.pattern(), kept.stiffness(), strained, part);
+    change = multiply(model_.pattern(), kept.stiffness(), strained(direction), part);
   }
   if (damping.alpha_per_s > 0.0) {
     change += damping.alpha_per_s *
@@ -115,8 +157,7 @@ void StepTangent::answer(const Step& step, Eigen::Index column, const AngularBal
     for (int node : model_.free) d_react.segment<3>(3 * node).setZero();
     d_wrenches = port_wrenches(model_, arms_, step.result.torques, d_react);
     if (step.loose != nullptr) {
-      Eigen::VectorXd dx = direction.dd;
-      if (direction.started()) dx += direction.map.x_tilde;
+      const Eigen::VectorXd dx = moved(direction);
       add_wrench_derivative(loose_, step.result.torques.about, step.result.q,
                             step.result.state.attached, direction.d_about,
                             arms_change(step, direction, dx), direction.d_phi, d_wrenches);
@@ -159,15 +200,9 @@ SolveReport StepTangent::solve(const Step& step, const std::vector<Eigen::Index>
   SolveReport total;
   for (int round = 0; round < most; ++round) {
     bool done = round > 0;
+    const Eigen::MatrixXd left = -residuals(step, moving);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const Eigen::Index column = moving[static_cast<std::size_t>(k)];
-      const Direction& direction = directions_[static_cast<std::size_t>(column)];
-      // In the first micro step of backward Euler nothing but the port moves yet.
-      ProductPart part;
-      if (round == 0 && !direction.started() && !model_.integrator->keeps_history()) {
-        part.columns = &model_.ports[static_cast<std::size_t>(column / 12)].nodes;
-      }
-      delta.col(k) = -gather(residual(step, direction, part), model_.free);
+      delta.col(k) = gather(left.col(k), model_.free);
       if (round == 0) norms(k) = delta.col(k).norm();
       done = done && delta.col(k).norm() <= limit * norms(k);
     }
@@ -226,8 +261,7 @@ SolveReport StepTangent::correct_once(const Step& step, const std::vector<Eigen:
   for (Eigen::Index k = 0; k < count; ++k) {
     Direction& direction = direction_of(k);
     direction.dd_first = direction.dd;
-    dx.col(k) = direction.dd;
-    if (direction.started()) dx.col(k) += direction.map.x_tilde;
+    dx.col(k) = moved(direction);
   }
   const Eigen::MatrixXd of_force = model_.formulation->derivatives(again.map.x_tilde, dx);
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -238,8 +272,9 @@ SolveReport StepTangent::correct_once(const Step& step, const std::vector<Eigen:
       direction.turning += step_.turning(first, first.map.x_tilde, y, dx_tilde) -
                            step_.turning(first, first.map.x_tilde, none, dx_tilde);
     }
-    delta.col(k) = -gather(residual(step, direction, {}), model_.free);
   }
+  const Eigen::MatrixXd left = -residuals(step, moving);
+  for (Eigen::Index k = 0; k < count; ++k) delta.col(k) = gather(left.col(k), model_.free);
   const Eigen::VectorXd norms = delta.colwise().norm();
   const SolveReport report = first.solver->solve(delta, norms);
   if (report.outcome == Outcome::Failed) return report;
@@ -254,8 +289,7 @@ SolveReport StepTangent::correct_once(const Step& step, const std::vector<Eigen:
 void StepTangent::attach(const Step& step, Direction& direction) const {
   const Linearisation& kept =
       step.last().kind == Linearisation::Kind::Iterated ? step.last() : step.kept;
-  Eigen::VectorXd dx = direction.dd;
-  if (direction.started()) dx += direction.map.x_tilde;
+  const Eigen::VectorXd dx = moved(direction);
   const Eigen::VectorXd correction =
       step.loose->correction(dx, direction.dv, direction.d_phi, direction.d_seen);
   const Eigen::VectorXd column = kept.port_columns * correction;

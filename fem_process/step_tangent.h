@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "fem_process/angular_balance.h"
@@ -92,11 +93,14 @@ class StepTangent {
     bool moves = false;           ///< false: nothing changes in the balance of forces
     [[nodiscard]] bool started() const { return begin.x.size() > 0; }
   };
-  /// The kinematics of the step with begin and end changed along a direction, `amount` times.
+  /// The kinematics of the step with begin and end changed along a direction, `amount` times; the
+  /// beginning is the step's own where it does not change.
   struct Nudged {
-    State begin;
-    Carried carried;
+    const State& begin;
+    const Carried& carried;
     MotionSet end;
+    std::unique_ptr<const State> own_begin;
+    std::unique_ptr<const Carried> own_carried;
   };
   [[nodiscard]] Nudged nudge(const Step& step, const Direction& direction, double amount) const;
   void see(const Step& step, Direction& direction) const;
@@ -107,8 +111,13 @@ class StepTangent {
                    Direction& direction) const;
   void prescribe(const Step& step, Eigen::Index column, Direction& direction) const;
   [[nodiscard]] Eigen::VectorXd damped_change(const Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd strained(const Direction& direction) const;
+  [[nodiscard]] Eigen::VectorXd moved(const Direction& direction) const;
+  [[nodiscard]] const Linearisation& linearised(const Step& step, const Direction& direction) const;
   [[nodiscard]] Eigen::VectorXd residual(const Step& step, const Direction& direction,
-                                         ProductPart part) const;
+                                         ProductPart part, Eigen::VectorXd elastic = {}) const;
+  [[nodiscard]] Eigen::MatrixXd residuals(const Step& step,
+                                          const std::vector<Eigen::Index>& moving) const;
   SolveReport solve(const Step& step, const std::vector<Eigen::Index>& moving);
   SolveReport correct_once(const Step& step, const std::vector<Eigen::Index>& moving);
   void take(const Step& step, const Eigen::VectorXd& column, Direction& direction) const;

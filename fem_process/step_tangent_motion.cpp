@@ -95,17 +95,12 @@ MotionDerivative interpolation_derivative(const Segment<MotionSet>& input, doubl
 
 StepTangent::Nudged StepTangent::nudge(const Step& step, const Direction& direction,
                                        double amount) const {
-  Nudged nudged;
-  nudged.end = displaced(step.end.value, amount * direction.port_end);
-  if (!direction.started()) {
-    nudged.begin = step.begin;
-    nudged.carried = step.kept.carried;
-    return nudged;
-  }
-  nudged.begin = shifted(step.begin, direction.begin, amount);
-  nudged.begin.port_motions = displaced(step.begin.port_motions, amount * direction.port_begin);
-  nudged.carried = carry_.begin(nudged.begin, step.kept.h_s);
-  return nudged;
+  MotionSet end = displaced(step.end.value, amount * direction.port_end);
+  if (!direction.started()) return {step.begin, step.kept.carried, std::move(end), {}, {}};
+  auto begin = std::make_unique<State>(shifted(step.begin, direction.begin, amount));
+  begin->port_motions = displaced(step.begin.port_motions, amount * direction.port_begin);
+  auto carried = std::make_unique<const Carried>(carry_.begin(*begin, step.kept.h_s));
+  return {*begin, *carried, std::move(end), std::move(begin), std::move(carried)};
 }
 
 /// Derivatives of what the step sees of its begin and end before it is solved.

@@ -72,6 +72,11 @@ Eigen::VectorXd TransientStep::inertia(const Eigen::VectorXd& a, ProductPart par
   return force;
 }
 
+/// Whether the solver asks how large its right-hand sides are.
+bool TransientStep::measures_residuals() const {
+  return model_.params.solver.kind == SolverKind::Pcg;
+}
+
 bool TransientStep::remembers() const {
   const SolverParams& solver = model_.params.solver;
   return solver.kind == SolverKind::Pcg && solver.initial_guess == InitialGuess::Projection;
@@ -205,7 +210,7 @@ void TransientStep::solve(const Input& input, const Linearisation& kept, Eigen::
   if (projected) rest(kept.map, v, d, a);
   Eigen::MatrixXd delta = -gather(balance(kept, input, attached, v, d, a), model_.free);
   Eigen::VectorXd b = delta;
-  if (!projected) b += multiply_interior(kept.S, gather(v, model_.free));
+  if (!projected && measures_residuals()) b += multiply_interior(kept.S, gather(v, model_.free));
   const double start_s = now_s();
   if (projected) {
     const Eigen::VectorXd guess = project(begin.past, kept.S_past, b, *model_.team);

@@ -43,6 +43,8 @@ struct Linearisation {
   Eigen::MatrixXd port_response;  ///< Y = Nᵀ Z
   /// The macro step's first, whose factor serves this one too: see NearbySolver. Null: an own one.
   Linearisation* neighbour = nullptr;
+  /// M v and M (x − x̃) of the state where torques close the angular momentum (kg m/s, kg m).
+  Eigen::VectorXd momentum, behind;
   EightVectors S_past;  ///< S times the last velocities, when the initial guess is made of them
   /// A correction's: the step's first, whose stiffness and factor serve it. Null: its own do.
   const Linearisation* first = nullptr;
@@ -190,6 +192,7 @@ class TransientStep {
   void rest(const StepMap& map, Eigen::VectorXd& v, Eigen::VectorXd& d, Eigen::VectorXd& a) const;
   [[nodiscard]] Eigen::VectorXd multiply_interior(const BlockValues& S,
                                                   const Eigen::VectorXd& v) const;
+  [[nodiscard]] bool measures_residuals() const;
   [[nodiscard]] bool remembers() const;
   void remember(const Eigen::VectorXd& v, State& state) const;
   [[nodiscard]] std::unique_ptr<const RestFactor> factorize_at_rest() const;
