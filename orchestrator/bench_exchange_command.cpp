@@ -19,7 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const std::vector<std::string> kPaths{"direct", "direct+liblcm", "hub", "hub+liblcm"};
+const std::vector<std::string> kPaths{"direct", "direct+block", "direct+liblcm", "hub",
+                                      "hub+liblcm"};
 
 void append(std::vector<double>& to, const std::vector<double>& more) {
   to.insert(to.end(), more.begin(), more.end());
@@ -89,6 +90,7 @@ struct BenchExchange {
                       : placement == "cross" ? Placement::Cross
                                              : Placement::Free;
     which.driver = path.starts_with("hub") ? DriverPlace::Orchestrator : DriverPlace::Mbs;
+    which.wait = path.ends_with("block") ? wire::Wait::Block : wire::Wait::Adaptive;
     which.receive = path.ends_with("liblcm") ? wire::Receive::Lcm : wire::Receive::Own;
     // A log of 1,000 steps takes half a kilobyte a step and node: fewer of them for many nodes.
     which.blocks = count > 1000 ? 8 : 20;
@@ -144,8 +146,10 @@ void add_bench_exchange(CLI::App& bench) {
       ->delimiter(',')
       ->check(CLI::IsMember({"same", "cross", "free"}))
       ->capture_default_str();
-  sub->add_option("--path", command->paths,
-                  "direct, or hub (all through the orchestrator); +liblcm: liblcm receives")
+  sub->add_option(
+         "--path", command->paths,
+         "direct, or hub (all through the orchestrator); +block: no receiver polls; +liblcm: "
+         "liblcm receives")
       ->delimiter(',')
       ->check(CLI::IsMember(kPaths))
       ->capture_default_str();

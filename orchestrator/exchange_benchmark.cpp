@@ -207,8 +207,10 @@ class ExchangeBenchmark {
   }
 
   [[nodiscard]] wire::BusOptions join(Process self) const {
+    const wire::Wait wait = wait_in_run(which_.wait, which_.placement, self, driver_);
     place_process(which_.placement, self, driver_, run_id_);
-    return {.self = self, .run_id = run_id_, .port = port_, .receive = which_.receive};
+    return {
+        .self = self, .run_id = run_id_, .port = port_, .receive = which_.receive, .wait = wait};
   }
 
   [[nodiscard]] wire::RemoteOptions remote(Process side) const {

@@ -15,6 +15,7 @@ struct ExchangeCase {
   Placement placement = Placement::Same;
   DriverPlace driver = DriverPlace::Mbs;  ///< direct exchange, or through the hub
   wire::Receive receive = wire::Receive::Own;
+  wire::Wait wait = wire::Wait::Adaptive;
   int blocks = 20;     ///< of each kind of round trip, in turn
   int per_block = 50;  ///< round trips in a block
 };

@@ -29,6 +29,8 @@ wire::BusOptions bus_options(const WireParams& params, std::uint64_t run_id) {
   options.port = wire::free_port();
   options.ttl = static_cast<int>(params.ttl);
   options.receive = params.receive;
+  const Process driver = params.driver == DriverPlace::Mbs ? Process::Mbs : Process::Orchestrator;
+  options.wait = wait_in_run(params.wait, params.placement, options.self, driver);
   return options;
 }
 

@@ -46,6 +46,13 @@ void lower_priority() {
 
 }  // namespace
 
+wire::Wait wait_in_run(wire::Wait asked, Placement placement, wire::Process self,
+                       wire::Process driver) {
+  const bool records = self == wire::Process::Orchestrator && self != driver;
+  const bool alone = placement != Placement::Same && usable_cores().size() > 1;
+  return records || !alone ? wire::Wait::Block : asked;
+}
+
 void place_process(Placement placement, wire::Process self, wire::Process driver,
                    std::uint64_t run_id) {
   if (placement == Placement::Free) return;

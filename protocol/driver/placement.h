@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "protocol/wire/poll_budget.h"
 #include "protocol/wire/seal.h"
 
 namespace tandem {
@@ -22,5 +23,13 @@ enum class Placement {
 /// when Cross finds one core only.
 void place_process(Placement placement, wire::Process self, wire::Process driver,
                    std::uint64_t run_id);
+
+/// How a process of the run waits for messages: as `asked`, but blocking
+/// * in an orchestrator that only records: nobody waits for it;
+/// * with Same, or where the processes may use one core only: polling would keep the core from the
+///   one that computes.
+/// To be asked before place_process().
+[[nodiscard]] wire::Wait wait_in_run(wire::Wait asked, Placement placement, wire::Process self,
+                                     wire::Process driver);
 
 }  // namespace tandem

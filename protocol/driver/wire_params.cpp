@@ -41,6 +41,11 @@ scenario::Key wire_keys() {
            .doc_is("How a process listens: own reads LCM's datagrams in the thread that waits for "
                    "them, lcm goes through liblcm's receive thread. The same bits, more time.")
            .by_default("own"),
+       choice("wait", {"adaptive", "block", "poll"})
+           .doc_is("How the sides wait for each other: block sleeps until a message comes and pays "
+                   "for being woken, poll looks again and again and keeps a core busy, adaptive "
+                   "polls for short waits where a core is free for it. The same bits.")
+           .by_default("adaptive"),
        choice("placement", {"free", "same", "cross"})
            .doc_is("Cores of the two sides, which compute in turn: free leaves them to the kernel, "
                    "same binds both to one core (the cheapest exchange; for sides of one thread), "
@@ -56,6 +61,11 @@ Placement placement_of(const std::string& name) {
   return name == "cross" ? Placement::Cross : Placement::Free;
 }
 
+wire::Wait wait_of(const std::string& name) {
+  if (name == "block") return wire::Wait::Block;
+  return name == "poll" ? wire::Wait::Poll : wire::Wait::Adaptive;
+}
+
 }  // namespace
 
 WireParams read_wire(const scenario::Node& root) {
@@ -67,6 +77,7 @@ WireParams read_wire(const scenario::Node& root) {
       .credit_window = node.integer("credit_window"),
       .ttl = node.integer("ttl"),
       .receive = node.text("receive") == "lcm" ? wire::Receive::Lcm : wire::Receive::Own,
+      .wait = wait_of(node.text("wait")),
       .placement = placement_of(node.text("placement")),
   };
 }

@@ -23,6 +23,7 @@ struct WireParams {
   std::int64_t credit_window = 64;  ///< macro steps the driver may be ahead of the recorder
   std::int64_t ttl = 0;             ///< of the multicast datagrams; 0 = this host only
   wire::Receive receive = wire::Receive::Own;
+  wire::Wait wait = wire::Wait::Adaptive;
   Placement placement = Placement::Free;
 };
 

@@ -37,7 +37,7 @@ struct Bus::State {
   explicit State(const BusOptions& given)
       : options(given),
         filter{.prefix = fmt::format("TANDEM_{:016x}_", given.run_id), .channels = {}} {
-    const ReceiverOptions listening{given.port, given.ttl, given.receive_buffer_bytes};
+    const ReceiverOptions listening{given.port, given.ttl, given.receive_buffer_bytes, given.wait};
     if (given.receive == Receive::Lcm) {
       receiver = std::make_unique<LcmReceiver>(listening);
     } else {

@@ -19,6 +19,7 @@ struct BusOptions {
   int ttl = 0;   ///< 0 = this host only, 1 = one subnet
   int receive_buffer_bytes = 4194304;
   Receive receive = Receive::Own;
+  Wait wait = Wait::Block;   ///< of Receive::Own
   double self_test_s = 2.0;  ///< longest time to hear the own test message at opening
 };
 

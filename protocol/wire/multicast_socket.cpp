@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <net/if.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -43,7 +44,8 @@ void set_option(int fd, int level, int option, const void* value, socklen_t size
 
 }  // namespace
 
-MulticastSocket::MulticastSocket(const ReceiverOptions& options) : buffer_(kMaxDatagram) {
+MulticastSocket::MulticastSocket(const ReceiverOptions& options)
+    : budget_(options.wait), buffer_(kMaxDatagram) {
   require(options.port > 0 && options.port < 65536,
           fmt::format("wire: port {} is outside 1 … 65535", options.port));
   require_multicast_route(options.port);
@@ -116,21 +118,51 @@ void MulticastSocket::set_timeout(double timeout_s) {
   timeout_s_ = rounded_s;
 }
 
-bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
-  if (timeout_s > 0.0) set_timeout(timeout_s);
-  const int flags = timeout_s > 0.0 ? 0 : MSG_DONTWAIT;
-  sockaddr_in from{};
+std::ptrdiff_t MulticastSocket::take(int flags, sockaddr_in& from) {
   socklen_t from_size = sizeof(from);
   ssize_t size = -1;
   do {
     size = recvfrom(fd_, buffer_.data(), buffer_.size(), flags, reinterpret_cast<sockaddr*>(&from),
                     &from_size);
   } while (size < 0 && errno == EINTR);
-  if (size < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return false;
-  if (size < 0) {
-    throw Error(ErrorKind::Partner,
-                fmt::format("wire: receiving on {}: {}", kGroup, std::strerror(errno)));
+  if (size >= 0 || errno == EAGAIN || errno == EWOULDBLOCK) return size;
+  throw Error(ErrorKind::Partner,
+              fmt::format("wire: receiving on {}: {}", kGroup, std::strerror(errno)));
+}
+
+std::ptrdiff_t MulticastSocket::poll(double begin_s, double budget_s, sockaddr_in& from) {
+  double looked_s = begin_s;
+  while (true) {
+    const std::ptrdiff_t size = take(MSG_DONTWAIT, from);
+    if (size >= 0) return size;
+    const double time_s = now_s();
+    if (time_s - looked_s > PollBudget::kPreempted_s) {
+      budget_.preempted();
+      return -1;
+    }
+    if (time_s - begin_s >= budget_s) return -1;
+    looked_s = time_s;
+    // The kernel may have put the sender on this core: it goes first.
+    sched_yield();
   }
+}
+
+std::ptrdiff_t MulticastSocket::wait(double timeout_s, sockaddr_in& from) {
+  const double begin_s = now_s();
+  const double budget_s = std::min(timeout_s, budget_.begin());
+  std::ptrdiff_t size = budget_s > 0.0 ? poll(begin_s, budget_s, from) : -1;
+  if (size < 0) {
+    set_timeout(timeout_s);
+    size = take(0, from);
+  }
+  if (size >= 0) budget_.end(now_s() - begin_s);
+  return size;
+}
+
+bool MulticastSocket::receive(double timeout_s, Datagram& datagram) {
+  sockaddr_in from{};
+  const std::ptrdiff_t size = timeout_s > 0.0 ? wait(timeout_s, from) : take(MSG_DONTWAIT, from);
+  if (size < 0) return false;
   datagram = {};
   datagram.from_address = ntohl(from.sin_addr.s_addr);
   datagram.from_port = ntohs(from.sin_port);

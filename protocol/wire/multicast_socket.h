@@ -1,5 +1,9 @@
 #pragma once
 
+#include <netinet/in.h>
+
+#include <cstddef>
+
 #include "protocol/wire/channel_filter.h"
 #include "protocol/wire/receiver.h"
 
@@ -30,10 +34,15 @@ class MulticastSocket final : public Receiver {
   void open(const ReceiverOptions& options);
   void join(int ttl);
   void set_timeout(double timeout_s);
+  /// Bytes of the next datagram; below zero: none came.
+  std::ptrdiff_t take(int flags, sockaddr_in& from);
+  std::ptrdiff_t poll(double begin_s, double budget_s, sockaddr_in& from);
+  std::ptrdiff_t wait(double timeout_s, sockaddr_in& from);
 
   int fd_ = -1;
   int granted_bytes_ = 0;
   double timeout_s_ = 0.0;  ///< as the socket has it
+  PollBudget budget_;
   Bytes buffer_;
 };
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
+#include "protocol/wire/poll_budget.h"
 #include "protocol/wire/seal.h"
 
 namespace tandem::wire {
@@ -28,6 +29,7 @@ struct ReceiverOptions {
   int port = 0;
   int ttl = 0;
   int receive_buffer_bytes = 4194304;
+  Wait wait = Wait::Block;
 };
 
 /// Receiving end of LCM's UDP multicast. Constructors throw tandem::Error with the remedy when

@@ -14,7 +14,7 @@ TEST(BenchExchange, MeasuresEveryPathBesideTcpAndUdp) {
       tandem_command({"bench", "exchange", "--nodes", "1", "--repeat", "1", "--json", file});
   ASSERT_EQ(ended.code, 0) << ended.output;
   const auto rows = nlohmann::json::parse(read_file(file)).at("rows");
-  ASSERT_EQ(rows.size(), 4U);
+  ASSERT_EQ(rows.size(), 5U);
   std::vector<std::string> paths;
   for (const auto& row : rows) {
     paths.push_back(row.at("path").get<std::string>());
@@ -32,7 +32,8 @@ TEST(BenchExchange, MeasuresEveryPathBesideTcpAndUdp) {
     EXPECT_GT(row.at("step_us").at("mean").get<double>(),
               row.at("exchange_us").at("mean").get<double>());
   }
-  const std::vector<std::string> each{"direct", "direct+liblcm", "hub", "hub+liblcm"};
+  const std::vector<std::string> each{"direct", "direct+block", "direct+liblcm", "hub",
+                                      "hub+liblcm"};
   EXPECT_EQ(paths, each);
 }
 

@@ -378,5 +378,28 @@ TEST(RunEnvironment, AReaderThatLeavesDoesNotEndTheRun) {
   EXPECT_EQ(summary_of(folder / "run").value("status", ""), "done");
 }
 
+// However the sides wait for each other, on as many cores as there are and on one, where a side
+// that polls would keep the other from computing.
+TEST(RunEnvironment, WaysOfWaitingHaveTheSameBits) {
+  const TemporaryFolder folder("tandem_wait");
+  const auto hash = [&](const std::string& name, const std::vector<std::string>& before,
+                        const std::vector<std::string>& more) {
+    std::vector<std::string> command = before;
+    std::vector<std::string> options{"--set", "run.duration_s=0.05"};
+    options.insert(options.end(), more.begin(), more.end());
+    const std::vector<std::string> run = run_of("two_masses", folder / name, options);
+    command.insert(command.end(), run.begin(), run.end());
+    const Ended ended = run_command(command, {}, kLimit_s);
+    EXPECT_EQ(ended.code, 0) << name << ": " << ended.output;
+    return summary_of(folder / name).value("state_hash", "");
+  };
+  const std::string inproc = hash("inproc", {}, {"--transport", "inproc"});
+  for (const std::string wait : {"block", "adaptive", "poll"}) {
+    const std::vector<std::string> waiting{"--set", "wire.wait=" + wait};
+    EXPECT_EQ(hash(wait, {}, waiting), inproc);
+    EXPECT_EQ(hash(wait + "_one_core", {"/usr/bin/taskset", "-c", "0"}, waiting), inproc);
+  }
+}
+
 }  // namespace
 }  // namespace tandem::test
