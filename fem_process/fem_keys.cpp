@@ -96,16 +96,17 @@ Key solver_key() {
   solver.title = "Linear solver";
   solver.doc = "How the linear system of a step is solved.";
   solver.keys = {
-      scenario::choice("kind", {"cholmod", "pcg"})
-          .by_default("cholmod")
-          .doc_is("Sparse Cholesky, or conjugate gradients started from past velocities."),
+      scenario::choice("kind", {"automatic", "cholmod", "pcg"})
+          .by_default("automatic")
+          .doc_is(
+              "Sparse Cholesky, or conjugate gradients started from past velocities. automatic: "
+              "in coupled runs the faster one for run.accuracy, else Cholesky."),
       scenario::real("tolerance", "")
           .only_when("kind", {"pcg"})
           .above(0)
           .below(1)
-          // Iterative coupling converges to 1e-12 of the wrenches: the solver must be no coarser.
-          .by_default("1e-12")
-          .doc_is("Residual at which PCG stops, relative to the right-hand side."),
+          .doc_is("Residual at which PCG stops, relative to the right-hand side. Left out: 1e-4 "
+                  "run.accuracy in coupled runs, else 1e-12."),
       scenario::integer("max_iterations")
           .only_when("kind", {"pcg"})
           .at_least(1)
@@ -236,7 +237,7 @@ SolverParams read_solver(const Node& node) {
   SolverParams solver;
   if (node.text("kind") == "pcg") {
     solver.kind = SolverKind::Pcg;
-    solver.tolerance = node.real("tolerance");
+    if (node.has("tolerance")) solver.tolerance = node.real("tolerance");
     solver.max_iterations = static_cast<int>(node.integer("max_iterations"));
     solver.preconditioner = read_preconditioner(node.text("preconditioner"));
     if (node.text("initial_guess") == "previous") solver.initial_guess = InitialGuess::Previous;

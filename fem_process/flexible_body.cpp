@@ -106,6 +106,7 @@ FlexibleBody::Advance FlexibleBody::run(const StepRequest<MotionSet>& request) {
     done.last = step_->advance(from, end, request.input.begin, h, kept);
     done.last.state.generation = ++generations_;
     book(done.last.report, from.time + h);
+    done.report.residual = std::max(done.report.residual, done.last.report.residual);
     answer.add(done.last.wrenches);
     if (!request.linearize || done.report.outcome == Outcome::Failed) continue;
     book(
@@ -138,6 +139,8 @@ StepResult<WrenchSet> FlexibleBody::advance(const StepRequest<MotionSet>& reques
   result.outcome = done.report.outcome;
   result.message = done.report.message;
   result.solver_iterations = done.report.iterations;
+  // The resultant of the forces that are left over on N nodes: at most √N times their norm.
+  result.output_error_N = std::sqrt(static_cast<double>(model_.free.size())) * done.report.residual;
   if (result.outcome != Outcome::Failed) {
     result.output = std::move(done.last.wrenches);
     if (request.linearize) result.jacobian = std::move(done.jacobian);

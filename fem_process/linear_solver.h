@@ -41,6 +41,7 @@ struct SolveReport {
   Outcome outcome = Outcome::Done;
   std::string message{};  ///< empty when Done
   int iterations = 0;     ///< 0 for direct solvers
+  double residual = 0.0;  ///< largest norm of a right-hand side that is left; 0 for direct solvers
 };
 
 /// Solves A X = B for a symmetric positive definite block matrix of fixed pattern.

@@ -213,6 +213,7 @@ SolveReport PcgSolver::solve_column(double b_norm) {
     residual = step(rz / curvature);
     ++report.iterations;
   }
+  report.residual = residual;
   if (!(residual <= limit)) {
     report.outcome = Outcome::NotConverged;
     report.message = text("PCG: residual %.3g N, limit %.3g N after %d iterations. ", residual,

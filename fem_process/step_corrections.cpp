@@ -48,6 +48,7 @@ void TransientStep::correct_once(const Input& input, Linearisation& kept, Eigen:
       kept.solver->solve(delta, Eigen::VectorXd::Constant(1, std::max(scale, delta.norm())));
   result.times.solve_s += now_s() - start_s;
   result.report.iterations += report.iterations;
+  result.report.residual = report.residual;
   if (report.outcome != Outcome::Done) {
     result.report.outcome = report.outcome;
     result.report.message = report.message;

@@ -18,6 +18,7 @@
 #include "mbs_process/joint_drift.h"
 #include "mbs_process/make_side.h"
 #include "mbs_process/spring_stability.h"
+#include "orchestrator/chosen_settings.h"
 #include "orchestrator/commands.h"
 #include "orchestrator/model.h"
 #include "orchestrator/nodal_scenario.h"
@@ -141,6 +142,7 @@ std::string check_coupled(const ScenarioOptions& options) {
       fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
                   model.run.macro_steps(), to_seconds(model.run.macro_step),
                   model.port_names.size(), to_string(model.coupling.scheme));
+  if (!model.chosen.empty()) text += "  chosen: " + text_of(model.chosen) + "\n";
   const MotionSet origins = mbs->initialize(WrenchSet(model.port_names.size()));
   const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get());
   if (body != nullptr) {

@@ -8,6 +8,7 @@
 #include "fem_process/make_model.h"
 #include "fem_process/mesh.h"
 #include "mbs_process/make_side.h"
+#include "orchestrator/chosen_settings.h"
 #include "orchestrator/nodal_scenario.h"
 #include "orchestrator/scenario_table.h"
 #include "protocol/contract/error.h"
@@ -37,18 +38,24 @@ scenario::Loaded load_coupled(const std::filesystem::path& file,
   }
 }
 
-/// Also with the mesh's fingerprint, so that a run folder tells which mesh it is about.
-scenario::Loaded load_with_checksum(const std::filesystem::path& file,
-                                    std::vector<scenario::Override> overrides) {
+/// Also with the mesh's fingerprint, so that a run folder tells which mesh it is about, and with
+/// what the scenario leaves open.
+scenario::Loaded load_complete(const std::filesystem::path& file,
+                               std::vector<scenario::Override> overrides,
+                               std::vector<scenario::Override>& chosen) {
   overrides = with_nodes(file, std::move(overrides));
   scenario::Loaded loaded = load_coupled(file, overrides);
   require_mesh_file(loaded.root);
+  chosen = chosen_settings(loaded.root);
+  std::vector<scenario::Override> more = chosen;
   const scenario::Node fem = loaded.root.section("fem");
-  if (!fem.has("mesh") || fem.section("mesh").has("checksum")) return loaded;
-  const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));
-  if (checksum.empty()) return loaded;
-  // In quotes: digits alone would be a number.
-  overrides.push_back({"fem.mesh.checksum", "'" + checksum + "'"});
+  if (fem.has("mesh") && !fem.section("mesh").has("checksum")) {
+    const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));
+    // In quotes: digits alone would be a number.
+    if (!checksum.empty()) more.push_back({"fem.mesh.checksum", "'" + checksum + "'"});
+  }
+  if (more.empty()) return loaded;
+  overrides.insert(overrides.end(), more.begin(), more.end());
   return scenario::load(file, scenario_table(), overrides);
 }
 
@@ -81,7 +88,9 @@ void check_adaptive(const Model& model) {
 
 Model load_model(const std::filesystem::path& file,
                  const std::vector<scenario::Override>& overrides) {
-  Model model{.scenario = load_with_checksum(file, overrides)};
+  std::vector<scenario::Override> chosen;
+  Model model{.scenario = load_complete(file, overrides, chosen)};
+  model.chosen = std::move(chosen);
   const scenario::Node& root = model.scenario.root;
   model.name = root.text("name");
   model.run = scenario::read_run(root);

@@ -21,6 +21,7 @@ struct Model {
   CouplingParams coupling;
   WireParams wire;
   std::vector<std::string> port_names;
+  std::vector<scenario::Override> chosen;  ///< what the scenario left open, see chosen_settings()
 };
 
 /// Loads and validates with the whole key table; makes bodies and ports of nodes where the scenario

@@ -78,8 +78,9 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
     const bool falls = end.residual_N <= kFast * smallest_N;
     const bool small =
         end.residual_N <= std::max(round_off_N, kRoundOffResidual * evaluation.wrench_N);
-    const bool wavers = !evaluation.apart &&
-                        floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
+    const bool wavers =
+        !evaluation.apart && floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N,
+                                            pose_N, evaluation.output_error_N);
     const bool ended = end.residual_N == 0.0 || (small && !falls) || wavers;
     if (ended && !evaluation.apart) return end;
     if (k == kMostIterations) {

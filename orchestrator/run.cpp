@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "orchestrator/chosen_settings.h"
 #include "orchestrator/interruption.h"
 #include "orchestrator/lcm_run.h"
 #include "orchestrator/local_run.h"
@@ -105,6 +106,11 @@ std::string to_string(Mode mode) {
 
 RunOutcome run_model(const Model& model, const RunDirectory& directory, const RunOptions& options) {
   const InterruptionGuard guard;
+  if (!options.silent && !model.chosen.empty()) {
+    std::fprintf(stderr, "run.accuracy %g: %s\n",
+                 model.scenario.root.section("run").real("accuracy"),
+                 text_of(model.chosen).c_str());
+  }
   const std::uint64_t run_id = wire::random_run_id();
   Recorder recorder(model, directory, run_id, options.silent);
   recorder.watch(options.watch);

@@ -48,8 +48,11 @@ struct StepResult {
   std::string message = "advance was not called";  ///< empty when Done
   Out output;                                      ///< at the end of the step
   std::optional<InterfaceJacobian> jacobian;       ///< when asked for and possible
-  std::int32_t solver_iterations = 0;              ///< inner iterations (PCG, Newton), 0 for direct
-  CallCost cost;                                   ///< where the time of this call went
+  /// Norm of what the side's own solver has left of its equations, in the unit of the output's
+  /// forces (N): the output is known to about this. 0: to round-off.
+  double output_error_N = 0.0;
+  std::int32_t solver_iterations = 0;  ///< inner iterations (PCG, Newton), 0 for direct
+  CallCost cost;                       ///< where the time of this call went
 };
 
 /// How far a joint of the multibody side has come apart.

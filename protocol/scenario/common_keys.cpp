@@ -64,6 +64,13 @@ Key run_keys() {
           .must()
           .above(0)
           .doc_is("Time between two exchanges of the sides, a whole number of nanoseconds."),
+      real("accuracy", "")
+          .above(0)
+          .between(1e-12, 1e-3)
+          .by_default("1e-6")
+          .doc_is("Part of the largest wrench up to now that the iterations of a macro step may "
+                  "leave in it. Tolerances and methods that the scenario leaves open follow from "
+                  "it (docs/coupling.md); 1e-10 chooses what is exact, and slow."),
   };
   run.check = [](const Node& node) { (void)run_of(node); };
   return section("run", std::move(run)).must().doc_is("Duration and macro step.");

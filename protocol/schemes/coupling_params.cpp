@@ -246,12 +246,9 @@ scenario::Key coupling_keys() {
            .at_least(0.0)
            .by_default(number(d.tolerance_N)),
        real("relative_tolerance", "")
-           .doc_is(fmt::format(
-               "Part of the residual that counts as converged, relative to the largest wrench norm "
-               "up to now. Left out: {} with interface_jacobian, {} with implicit, and {} with "
-               "adaptive steps, which is far below their own error.",
-               CouplingParams::kNewtonTolerance, CouplingParams::kFixedStepTolerance,
-               CouplingParams::kAdaptiveStepTolerance))
+           .doc_is("Part of the residual that counts as converged, relative to the largest wrench "
+                   "norm up to now. Left out: 0.1 run.accuracy with interface_jacobian, 0.01 with "
+                   "implicit.")
            .between(0.0, 1.0),
        choice("relaxation", choices_of(kRelaxations))
            .doc_is("Accelerator of `implicit`: a constant factor, Aitken's adapted one, or a "
@@ -289,8 +286,7 @@ scenario::Key coupling_keys() {
 
 namespace {
 
-double default_tolerance(const AdaptiveParams& adaptive, SchemeKind scheme) {
-  if (adaptive.active()) return CouplingParams::kAdaptiveStepTolerance;
+double default_tolerance(SchemeKind scheme) {
   return scheme == SchemeKind::InterfaceNewton ? CouplingParams::kNewtonTolerance
                                                : CouplingParams::kFixedStepTolerance;
 }
@@ -299,17 +295,15 @@ double default_tolerance(const AdaptiveParams& adaptive, SchemeKind scheme) {
 
 CouplingParams read_coupling(const scenario::Node& root) {
   const scenario::Node node = root.section("coupling");
-  const AdaptiveParams adaptive = read_adaptive(node.section("adaptive"));
   return CouplingParams{
       .scheme = value_of(kSchemes, node.text("scheme")),
       .prediction = value_of(kPredictions, node.text("prediction")),
       .motion_prediction = value_of(kPredictions, node.text("motion_prediction")),
       .max_iterations = static_cast<std::int32_t>(node.integer("max_iterations")),
       .tolerance_N = node.real("tolerance_N"),
-      .relative_tolerance =
-          node.has("relative_tolerance")
-              ? node.real("relative_tolerance")
-              : default_tolerance(adaptive, value_of(kSchemes, node.text("scheme"))),
+      .relative_tolerance = node.has("relative_tolerance")
+                                ? node.real("relative_tolerance")
+                                : default_tolerance(value_of(kSchemes, node.text("scheme"))),
       .tolerance_m_per_s = node.real("tolerance_m_per_s"),
       .iteration = value_of(kIterations, node.text("iteration")),
       .relaxation = value_of(kRelaxations, node.text("relaxation")),
@@ -318,7 +312,7 @@ CouplingParams read_coupling(const scenario::Node& root) {
       .jacobian = read_jacobian(node.section("jacobian")),
       .retained_inertia = read_retained_inertia(node.section("retained_inertia")),
       .tlm = {.stiffness_N_per_m = node.section("tlm").real("stiffness_N_per_m")},
-      .adaptive = adaptive,
+      .adaptive = read_adaptive(node.section("adaptive")),
       .on_not_converged = value_of(kOnNotConverged, node.text("on_not_converged")),
       .divergence_growth = node.real("divergence_growth"),
   };

@@ -63,8 +63,6 @@ struct CouplingParams {
   /// Of interface_jacobian: Newton's method leaves an error of the residual's size, a fixed-point
   /// iteration one of several times that.
   static constexpr double kNewtonTolerance = 1e-11;
-  /// Of adaptive steps, whose own error is far larger: the wrench's residual adds this part to it.
-  static constexpr double kAdaptiveStepTolerance = 1e-8;
 
   SchemeKind scheme = SchemeKind::InterfaceNewton;
   Prediction prediction = Prediction::Linear;         ///< of the wrenches

@@ -82,6 +82,7 @@ Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>&
   evaluation.residual = stack(fem.output) - stack(lambda);
   evaluation.residual_N = wrench_norm_N(unstack_wrenches(evaluation.residual), ports);
   evaluation.wrench_N = wrench_norm_N(fem.output, ports);
+  evaluation.output_error_N = fem.output_error_N;
   return evaluation;
 }
 

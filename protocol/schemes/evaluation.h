@@ -14,10 +14,11 @@ struct Evaluation {
   MotionSet motions;  ///< M(λ)
   MotionSet seen;     ///< m̂ that the flexible side was shown: M(λ) unless that is far out
   WrenchSet wrenches;
-  Eigen::VectorXd residual;  ///< Λ(m̂) − λ, stacked
-  double residual_N = 0.0;   ///< its scaled norm
-  double wrench_N = 0.0;     ///< scaled norm of Λ(m̂)
-  bool apart = false;        ///< m̂ is not M(λ): no end of a macro step
+  Eigen::VectorXd residual;     ///< Λ(m̂) − λ, stacked
+  double residual_N = 0.0;      ///< its scaled norm
+  double wrench_N = 0.0;        ///< scaled norm of Λ(m̂)
+  double output_error_N = 0.0;  ///< of Λ(m̂), as the flexible side says
+  bool apart = false;           ///< m̂ is not M(λ): no end of a macro step
   InterfaceJacobian mbs_jacobian;
   InterfaceJacobian fem_jacobian;
 };

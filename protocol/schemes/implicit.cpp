@@ -167,7 +167,8 @@ MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool acce
     const double limit_N =
         std::max(residual_limit_N(params_, evaluation, floor_.largest_N()), round_off.size_N());
     const bool at_floor =
-        floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));
+        floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)), 0.0,
+                       evaluation.output_error_N);
     if (end.residual_N <= limit_N || at_floor) return end;
     if (k == params_.max_iterations) {
       return not_converged(
@@ -212,7 +213,8 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
         std::max(residual_limit_N(params_, evaluation, floor_.largest_N()), round_off.size_N());
     const double residual_m_per_s = twist_norm_m_per_s(r.head(n_m), ports_);
     const bool at_floor =
-        floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)));
+        floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)), 0.0,
+                       evaluation.output_error_N);
     const bool same_wrench = end.residual_N <= limit_N || at_floor;
     const double limit_m_per_s =
         params_.tolerance_m_per_s +

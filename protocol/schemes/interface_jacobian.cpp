@@ -16,18 +16,33 @@ namespace {
 /// still lowers the residual to a small part.
 constexpr std::int32_t kPatience = 4;
 constexpr double kFast = 0.1;
+/// A residual above this part of the wrench after the second evaluation says that the blocks are
+/// not those of this step: further steps with them may lead to another solution.
+constexpr double kLarge = 1e-2;
 
-MacroStepEnd not_converged(MacroStepEnd end, double limit_N, double round_off_N) {
+std::string remedy_for(double residual_N, double round_off_N, double solver_N) {
+  if (solver_N > round_off_N && looks_like_round_off(residual_N, solver_N)) {
+    return fmt::format(
+        "The flexible side's own solver leaves up to {:.3g} N in the wrench: lower "
+        "fem.solver.tolerance, or raise coupling.relative_tolerance (left out, both follow from "
+        "run.accuracy).",
+        solver_N);
+  }
+  if (looks_like_round_off(residual_N, round_off_N)) {
+    return fmt::format(
+        "The rounding of the port motions makes {:.3g} N of the wrench, and what is left looks "
+        "like it: raise coupling.tolerance_N above what is left.",
+        round_off_N);
+  }
+  return "The sides are not affine in the port quantities here (contact, joint limits, large "
+         "rotation per step): lower run.macro_step_s or raise coupling.max_iterations.";
+}
+
+MacroStepEnd not_converged(MacroStepEnd end, double limit_N, const std::string& remedy) {
   end.outcome = Outcome::NotConverged;
-  end.message = fmt::format(
-      "interface_jacobian: ‖r‖ = {:.3g} N after {} iterations, limit {:.3g} N. {}", end.residual_N,
-      end.iterations, limit_N,
-      looks_like_round_off(end.residual_N, round_off_N)
-          ? fmt::format("The rounding of the port motions makes {:.3g} N of the wrench, and what "
-                        "is left looks like it: raise coupling.tolerance_N above it.",
-                        round_off_N)
-          : "The sides are not affine in the port quantities here (contact, joint limits, large "
-            "rotation per step): lower run.macro_step_s or raise coupling.max_iterations.");
+  end.message =
+      fmt::format("interface_jacobian: ‖r‖ = {:.3g} N after {} iterations, limit {:.3g} N. {}",
+                  end.residual_N, end.iterations, limit_N, remedy);
   return end;
 }
 
@@ -104,12 +119,14 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
       end.residual_N = wrench_norm_N(unstack_wrenches(residual), ports_);
       if (!std::isfinite(end.residual_N)) return end;
     } else {
-      const bool round_off =
-          floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N, pose_N);
+      const bool round_off = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N,
+                                            pose_N, evaluation.output_error_N);
       if (end.residual_N <= limit_N || round_off) return end;
     }
     if (k == params_.max_iterations) {
-      return not_converged(std::move(end), limit_N, std::max(round_off_N, pose_N));
+      const std::string remedy =
+          remedy_for(end.residual_N, std::max(round_off_N, pose_N), evaluation.output_error_N);
+      return not_converged(std::move(end), limit_N, remedy);
     }
     const double last_N = path.residual_N();
     if (path.turns_back(end.residual_N)) {
@@ -126,7 +143,8 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     if (linearize.fem) path.linearised(end.residual_N);
     path.go(newton_matrix.solve(residual), end.residual_N);
     const bool slow = k > 1 && end.residual_N > kFast * last_N;
-    linearize.mbs = linearize.fem = slow && (!patient || k % kPatience == 0);
+    const bool lost = slow && end.residual_N > kLarge * evaluation.wrench_N;
+    linearize.mbs = linearize.fem = lost || (slow && (!patient || k % kPatience == 0));
     last = std::move(evaluation);
   }
 }

@@ -14,7 +14,8 @@ namespace tandem {
 /// makes of the wrench (a stiff mesh adds up that of its nodes), 4 times what the rounding of the
 /// poses makes of it where velocities carry the stiffness, and 100 tolerance_N where the scenario
 /// sets one (joints may carry far more than the ports). All but the last have the model's own
-/// scale.
+/// scale. What the flexible side's own solver leaves in the wrench is noise of its own: below it
+/// one residual is as good as another, however it has gone up and down.
 class ResidualFloor {
  public:
   /// `patience`: evaluations that do not halve the smallest residual of a macro step before it is
@@ -27,9 +28,10 @@ class ResidualFloor {
   /// Largest norm that begin_step() was given so far.
   [[nodiscard]] double largest_N() const { return largest_N_; }
   /// Whether the residual of the macro step's next evaluation is round-off. ‖Λ‖ is `wrench_N`,
-  /// what the rounding of the motions makes of it `round_off_N`, that of the poses `pose_N`.
+  /// what the rounding of the motions makes of it `round_off_N`, that of the poses `pose_N`,
+  /// what the flexible side's solver leaves `solver_N`.
   [[nodiscard]] bool reached(double residual_N, double wrench_N, double round_off_N,
-                             double pose_N = 0.0);
+                             double pose_N = 0.0, double solver_N = 0.0);
 
  private:
   std::int32_t patience_;

@@ -89,6 +89,7 @@ void encode(const Reply& reply, Bytes& message) {
   fixed.outcome = static_cast<std::int32_t>(reply.outcome);
   fixed.error_kind = reply.error ? static_cast<std::int32_t>(*reply.error) : -1;
   fixed.solver_iterations = reply.solver_iterations;
+  fixed.output_error_N = reply.output_error_N;
   fixed.jacobian_rows = -1;
   std::span<const double> jacobian;
   if (reply.jacobian) {
@@ -156,6 +157,7 @@ bool decode(ByteView message, Reply& reply) {
   reply.error.reset();
   if (fixed->error_kind >= 0) reply.error = static_cast<ErrorKind>(fixed->error_kind);
   reply.solver_iterations = fixed->solver_iterations;
+  reply.output_error_N = fixed->output_error_N;
   reply.observation.time = SimTime(fixed->time_ns);
   reply.observation.energy = {.kinetic_J = fixed->kinetic_J,
                               .potential_J = fixed->potential_J,

@@ -13,7 +13,7 @@
 namespace tandem::wire {
 
 /// Number of the wire format; both ends of a handshake compare it.
-inline constexpr std::int32_t kProtocolVersion = 5;
+inline constexpr std::int32_t kProtocolVersion = 6;
 
 enum class RequestKind : std::int32_t {
   Initialize = 0,
@@ -62,6 +62,7 @@ struct Reply {
   std::optional<ErrorKind> error;  ///< the side threw; `message` is its text
   std::string message;
   std::int32_t solver_iterations = 0;
+  double output_error_N = 0.0;
   std::optional<InterfaceJacobian> jacobian;
   Observation observation;
   MotionSet motions;

@@ -54,6 +54,7 @@ class RemoteSide final : public Subsystem<In, Out> {
     result.output = outputs(reply);
     result.jacobian = std::move(reply.jacobian);
     result.solver_iterations = reply.solver_iterations;
+    result.output_error_N = reply.output_error_N;
     return result;
   }
 

@@ -64,6 +64,7 @@ void serve(Subsystem<In, Out>& side, Bus& bus, LivenessMonitor& monitor,
     reply.message = std::move(result.message);
     reply.jacobian = std::move(result.jacobian);
     reply.solver_iterations = result.solver_iterations;
+    reply.output_error_N = result.output_error_N;
     return std::move(result.output);
   };
   const auto execute = [&](Request& request, Reply& reply) {

@@ -50,6 +50,7 @@ description: "a: \"b\" # c\n\té"
 run:
   duration_s: 0.30000000000000004440892098500626
   macro_step_s: 1.00e-1
+  accuracy: 1e-6
 ports:
   - name: "p"
     body: "b"
