@@ -159,7 +159,7 @@ Key material_key() {
 Key integration_key() {
   Section integration;
   integration.title = "Integration over the elements";
-  integration.doc = "Gauss points, and what is done about Poisson locking in bending.";
+  integration.doc = "Strains and points, and what is done about Poisson locking in bending.";
   integration.keys = {
       scenario::choice("kind", {"full", "volume_on_axis", "axis_d0"})
           .by_default("full")
@@ -167,15 +167,27 @@ Key integration_key() {
               "full: as written, bends as stiffly as the constrained modulus. volume_on_axis: "
               "the volumetric part on the centre line (too soft). axis_d0: the whole law on the "
               "centre line and Young's modulus for bending."),
+      scenario::choice("strain", {"assumed", "compatible"})
+          .by_default("assumed")
+          .doc_is("assumed: strains at the nodes and halfway along an element, those across linear "
+                  "between the nodes: bent elements do not lock. compatible: as written, at Gauss "
+                  "points; elements bent by θ on a radius R are as if stiffer by θ⁴ (R/h)²/10 and "
+                  "more."),
       scenario::reals("points", "")
           .count(3)
-          .by_default("[4, 2, 2]")
-          .doc_is("Gauss points along x, y and z, 1 to 8 each."),
+          .doc_is("Gauss points along x, y and z, 1 to 8 each; left out: 4, 2 and 2, or 3 along x "
+                  "where strain is assumed, which has no other number."),
   };
   integration.check = [](const Node& node) {
+    if (!node.has("points")) return;
     for (double n : node.reals("points")) {
       if (n >= 1.0 && n <= 8.0 && n == static_cast<int>(n)) continue;
       node.fail("points", "must be three whole numbers from 1 to 8, as [4, 2, 2].");
+    }
+    if (node.text("strain") == "assumed" && node.reals("points").front() != 3.0) {
+      node.fail("points",
+                "must begin with 3: assumed strains are those of the nodes and halfway between. "
+                "Write [3, 2, 2], leave it out, or set strain: compatible.");
     }
   };
   return scenario::section("integration", std::move(integration))

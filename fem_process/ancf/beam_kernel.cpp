@@ -3,48 +3,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "fem_process/ancf/assumed_kernel.h"
 #include "fem_process/ancf/point_stress.h"
+#include "fem_process/ancf/section_vectors.h"
 #include "fem_process/simd.h"
 
 namespace tandem::fem::ancf {
 namespace {
-
-/// The vectors of a section, in the order t = r_x, a = r_y, b = r_z of the axis, a' = ∂a/∂x,
-/// b' = ∂b/∂x: F = [t + y a' + z b' | a | b].
-constexpr int kSection = 5;
-
-/// Which section vectors a slot of an element enters, and with which factors at a station.
-struct Spread {
-  Lanes factor[kVectors];  ///< to kFirst
-  Lanes second[kVectors];  ///< to kSecond where that is not negative
-};
-constexpr int kFirst[kVectors] = {0, 0, 1, 2, 0, 0, 1, 2};
-constexpr int kSecond[kVectors] = {-1, -1, 3, 4, -1, -1, 3, 4};
-
-TANDEM_INLINE void spread_at(double xi, const Lanes& length, Spread& spread) {
-  const Lanes inverse = 1.0 / length;
-  const Lanes none{};
-  spread.factor[0] = (6.0 * (xi * xi - xi)) * inverse;
-  spread.factor[4] = -spread.factor[0];
-  spread.factor[1] = none + (1.0 - 4.0 * xi + 3.0 * xi * xi);
-  spread.factor[5] = none + (3.0 * xi * xi - 2.0 * xi);
-  for (int slot = 2; slot < 4; ++slot) {
-    spread.factor[slot] = none + (1.0 - xi);
-    spread.factor[slot + 4] = none + xi;
-    spread.second[slot] = -inverse;
-    spread.second[slot + 4] = inverse;
-  }
-}
-
-TANDEM_INLINE void section_vectors(const Spread& spread, const Lanes* e, Lanes (&u)[kSection][3]) {
-  for (int i = 0; i < 3; ++i) {
-    for (int s = 0; s < kSection; ++s) u[s][i] = Lanes{};
-    for (int slot = 0; slot < kVectors; ++slot) {
-      u[kFirst[slot]][i] += spread.factor[slot] * e[3 * slot + i];
-      if (kSecond[slot] >= 0) u[kSecond[slot]][i] += spread.second[slot] * e[3 * slot + i];
-    }
-  }
-}
 
 /// [t + y a' + z b' | a | b].
 TANDEM_INLINE void gradient_at(const Lanes (&u)[kSection][3], double y, double z, LaneMatrix& F) {
@@ -78,12 +43,6 @@ TANDEM_INLINE void pull_back(const LaneMatrix& inverse, LaneTangent& T) {
   }
 }
 
-/// Resultants of a section: forces that belong to the section vectors, and their derivatives.
-struct Resultants {
-  Lanes force[kSection][3];
-  Lanes tangent[kSection][kSection][9];
-};
-
 template <bool kTangent>
 TANDEM_INLINE void add_point(const Lanes& weight, double y, double z, const LaneMatrix& P,
                              const LaneTangent& T, Resultants& sum) {
@@ -97,33 +56,6 @@ TANDEM_INLINE void add_point(const Lanes& weight, double y, double z, const Lane
       const Lanes both = w * arm[t];
       for (int n = 0; n < 9; ++n) {
         sum.tangent[s][t][n] += both * T.at[kColumn[s]][kColumn[t]][n];
-      }
-    }
-  }
-}
-
-TANDEM_INLINE void spread_tangent(const Spread& spread, const Resultants& sum, Lanes* K) {
-  Lanes columns[kSection][kVectors][9];
-  for (int s = 0; s < kSection; ++s) {
-    for (int slot = 0; slot < kVectors; ++slot) {
-      for (int n = 0; n < 9; ++n) {
-        columns[s][slot][n] = spread.factor[slot] * sum.tangent[s][kFirst[slot]][n];
-        if (kSecond[slot] >= 0) {
-          columns[s][slot][n] += spread.second[slot] * sum.tangent[s][kSecond[slot]][n];
-        }
-      }
-    }
-  }
-  for (int row = 0; row < kVectors; ++row) {
-    for (int slot = 0; slot < kVectors; ++slot) {
-      for (int i = 0; i < 3; ++i) {
-        Lanes* out = K + (3 * row + i) * kCoordinates + 3 * slot;
-        for (int k = 0; k < 3; ++k) {
-          out[k] += spread.factor[row] * columns[kFirst[row]][slot][3 * i + k];
-          if (kSecond[row] >= 0) {
-            out[k] += spread.second[row] * columns[kSecond[row]][slot][3 * i + k];
-          }
-        }
       }
     }
   }
@@ -186,24 +118,11 @@ TANDEM_INLINE int evaluate_batch(const std::vector<BeamKernel::Rule>& rules,
       inverted |= sum_section<kTangent>(rule, station.weight * batch.length, theta, u, rate,
                                         reference, sum);
       if (reference != nullptr) reference += rule.points.size();
-      for (int slot = 0; slot < kVectors; ++slot) {
-        for (int i = 0; i < 3; ++i) {
-          f[3 * slot + i] += spread.factor[slot] * sum.force[kFirst[slot]][i];
-          if (kSecond[slot] >= 0) {
-            f[3 * slot + i] += spread.second[slot] * sum.force[kSecond[slot]][i];
-          }
-        }
-      }
+      spread_force(spread, sum, f);
       if constexpr (kTangent) spread_tangent(spread, sum, K);
     }
   }
   return inverted & ((1 << batch.count) - 1);
-}
-
-TANDEM_INLINE void store(const Lanes* lanes, int entries, int count, double* out) {
-  for (int n = 0; n < count; ++n) {
-    for (int k = 0; k < entries; ++k) out[n * entries + k] = lanes[k][n];
-  }
 }
 
 template <bool kTangent>
@@ -253,9 +172,10 @@ TANDEM_INLINE void energy_of_all(const std::vector<BeamKernel::Rule>& rules,
             weight *= reference->determinant;
             ++reference;
           }
-          invert(point);
+          LaneMatrix E;
+          green_strain(point.F, E);
           Lanes density;
-          point_energy(rule.law, point, density);
+          energy_density(rule.law, E, density);
           sum += weight * density;
         }
       }
@@ -283,12 +203,11 @@ TANDEM_VECTOR_FUNCTION(evaluate_energy, energy_of_all,
                         double& energy),
                        (rules, batches, e, energy))
 
-BeamKernel::Rule make_rule(const PointLaw& law, const GaussOrder& order,
+BeamKernel::Rule make_rule(const PointLaw& law, const GaussRule& x, int along_y, int along_z,
                            const BeamSection& section) {
   BeamKernel::Rule rule{.law = law};
-  const GaussRule x = gauss_rule(order.x);
-  const GaussRule y = gauss_rule(order.y);
-  const GaussRule z = gauss_rule(order.z);
+  const GaussRule y = gauss_rule(along_y);
+  const GaussRule z = gauss_rule(along_z);
   for (std::size_t i = 0; i < x.point.size(); ++i) {
     rule.stations.push_back({x.point[i], x.weight[i]});
   }
@@ -302,12 +221,19 @@ BeamKernel::Rule make_rule(const PointLaw& law, const GaussOrder& order,
   return rule;
 }
 
+/// The three points of Lobatto's rule on [0, 1].
+GaussRule lobatto_rule() {
+  return {.point = {0.0, 0.5, 1.0}, .weight = {1.0 / 6.0, 4.0 / 6.0, 1.0 / 6.0}};
+}
+
 }  // namespace
 
 BeamKernel::BeamKernel(const BeamMesh& mesh, const BeamSection& section, const RuleLaws& laws,
-                       const GaussOrder& order) {
-  rules_.push_back(make_rule(laws.volume, order, section));
-  if (laws.uses_axis) rules_.push_back(make_rule(laws.axis, {order.x, 1, 1}, section));
+                       const GaussOrder& order, Strain strain)
+    : strain_(strain) {
+  const GaussRule along = strain == Strain::Assumed ? lobatto_rule() : gauss_rule(order.x);
+  rules_.push_back(make_rule(laws.volume, along, order.y, order.z, section));
+  if (laws.uses_axis) rules_.push_back(make_rule(laws.axis, along, 1, 1, section));
   const int n = static_cast<int>(mesh.elements.size());
   for (int first = 0; first < n; first += kLanes) {
     Batch batch{.first = first, .count = std::min(kLanes, n - first)};
@@ -329,20 +255,31 @@ std::vector<BeamKernel::Reference> BeamKernel::references(const BeamMesh& mesh,
                                                           const Batch& batch) const {
   std::vector<Reference> all;
   const int last = static_cast<int>(mesh.elements.size()) - 1;
+  const auto add = [&](const Station& station, const Point& point) {
+    Reference reference;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const auto& vectors =
+          mesh.reference[static_cast<std::size_t>(std::min(batch.first + lane, last))];
+      const StressFree at =
+          strain_ == Strain::Assumed
+              ? assumed_stress_free(vectors, batch.length[lane], station.xi, point.y, point.z)
+              : stress_free(vectors, batch.length[lane], station.xi, point.y, point.z);
+      for (int k = 0; k < 9; ++k) reference.inverse.at[k][lane] = at.inverse(k / 3, k % 3);
+      reference.determinant[lane] = at.volume;
+    }
+    all.push_back(reference);
+  };
+  if (strain_ == Strain::Assumed) {
+    for (std::size_t s = 0; s < rules_.front().stations.size(); ++s) {
+      for (const Rule& rule : rules_) {
+        for (const Point& point : rule.points) add(rule.stations[s], point);
+      }
+    }
+    return all;
+  }
   for (const Rule& rule : rules_) {
     for (const Station& station : rule.stations) {
-      for (const Point& point : rule.points) {
-        Reference reference;
-        for (int lane = 0; lane < kLanes; ++lane) {
-          const auto& vectors =
-              mesh.reference[static_cast<std::size_t>(std::min(batch.first + lane, last))];
-          const StressFree at =
-              stress_free(vectors, batch.length[lane], station.xi, point.y, point.z);
-          for (int k = 0; k < 9; ++k) reference.inverse.at[k][lane] = at.inverse(k / 3, k % 3);
-          reference.determinant[lane] = at.volume;
-        }
-        all.push_back(reference);
-      }
+      for (const Point& point : rule.points) add(station, point);
     }
   }
   return all;
@@ -364,6 +301,10 @@ int BeamKernel::forces(const Eigen::VectorXd& q, const Eigen::VectorXd& v,
   gather(q, e);
   gather(v, e_rate);
   int inverted = 0;
+  if (strain_ == Strain::Assumed) {
+    assumed_forces(rules_, batches_, e.data(), e_rate.data(), out.force.data(), inverted);
+    return inverted;
+  }
   evaluate_forces(rules_, batches_, e.data(), e_rate.data(), 0.0, out.force.data(), nullptr,
                   inverted);
   return inverted;
@@ -376,6 +317,11 @@ int BeamKernel::tangents(const Eigen::VectorXd& q, const Eigen::VectorXd& v, dou
   gather(q, e);
   gather(v, e_rate);
   int inverted = 0;
+  if (strain_ == Strain::Assumed) {
+    assumed_tangents(rules_, batches_, e.data(), e_rate.data(), theta, out.force.data(),
+                     out.tangent.data(), inverted);
+    return inverted;
+  }
   evaluate_tangents(rules_, batches_, e.data(), e_rate.data(), theta, out.force.data(),
                     out.tangent.data(), inverted);
   return inverted;
@@ -385,7 +331,11 @@ double BeamKernel::energy(const Eigen::VectorXd& q) const {
   std::vector<LaneCoordinates> e;
   gather(q, e);
   double energy = 0.0;
-  evaluate_energy(rules_, batches_, e.data(), energy);
+  if (strain_ == Strain::Assumed) {
+    assumed_energy(rules_, batches_, e.data(), energy);
+  } else {
+    evaluate_energy(rules_, batches_, e.data(), energy);
+  }
   return energy;
 }
 

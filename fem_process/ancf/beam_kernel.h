@@ -10,7 +10,7 @@
 
 namespace tandem::fem::ancf {
 
-/// Gauss points along x, y and z.
+/// Gauss points along x, y and z; along x those of Strain::Compatible.
 struct GaussOrder {
   int x = 4, y = 2, z = 2;
 };
@@ -30,6 +30,17 @@ struct ElementArrays {
 /// Alignment of lanes in memory that AVX2 code reads: the build's own target may ask for less.
 inline constexpr std::size_t kLaneAlignment = kLanes * sizeof(double);
 
+/// Which strains of the elements the energy is made of.
+enum class Strain {
+  /// C at the nodes and halfway along the element, where Lobatto's rule integrates it, with C_yy,
+  /// C_zz and C_yz linear between the nodes: assumed natural strains [Betsch & Stein 1995]. An
+  /// element that bends by θ has none of the strains there that FᵀF holds and bending does not:
+  /// across −θ²/8 in its middle, shear of order θ³ and stretch of order θ⁴ between the three
+  /// points.
+  Assumed,
+  Compatible  ///< C = FᵀF at Gauss points, as written
+};
+
 /// The coordinates of four elements.
 struct LaneCoordinates {
   alignas(kLaneAlignment) Lanes at[kCoordinates];
@@ -41,10 +52,12 @@ struct LaneCoordinates {
 /// (StressFree). Because s_a is linear in y and z, F at a station x depends
 /// on five vectors only, r_x, r_y, r_z of the axis and the derivatives of the last two along x: the
 /// points of a section are summed up to resultants that belong to these, then spread to the nodes.
+/// With assumed strains f = ∂/∂e ∫ W(C) dV, C as in section_measures.h, viscous stresses by its
+/// rate.
 class BeamKernel {
  public:
   BeamKernel(const BeamMesh& mesh, const BeamSection& section, const RuleLaws& laws,
-             const GaussOrder& order);
+             const GaussOrder& order, Strain strain = Strain::Assumed);
 
   /// Writes the forces which the elements need (N, N m), all of them (restoring: +∂U/∂e).
   /// Returns the number of elements with a point that is turned inside out.
@@ -69,7 +82,7 @@ class BeamKernel {
     std::vector<Station> stations;
     std::vector<Point> points;
   };
-  /// J₀⁻¹ and volume of a point, per lane: see StressFree.
+  /// StressFree of a point, per lane.
   struct Reference {
     alignas(kLaneAlignment) LaneMatrix inverse;
     alignas(kLaneAlignment) Lanes determinant;
@@ -78,7 +91,8 @@ class BeamKernel {
     int first = 0;  ///< element of lane 0
     int count = 0;
     alignas(kLaneAlignment) Lanes length;
-    std::vector<Reference> reference;  ///< per point of all rules; empty: J₀ = I
+    std::vector<Reference>
+        reference;  ///< per point of all rules, in the order of use; empty: J₀ = I
   };
 
  private:
@@ -90,6 +104,7 @@ class BeamKernel {
     int vector = 0;
     double factor = 1.0;
   };
+  Strain strain_;
   std::vector<SlotTerm> terms_;
   std::vector<Rule> rules_;
   std::vector<Batch> batches_;

@@ -61,6 +61,7 @@ bool shares_section(const BeamElement& element, const BeamElement& next) {
 
 std::optional<std::string> bending_warning(const BeamModel& model) {
   constexpr double kMost = 0.05;
+  if (model.strain == Strain::Assumed) return std::nullopt;
   const BeamMesh& mesh = model.mesh;
   double worst = 0.0, worst_angle = 0.0;
   for (std::size_t e = 0; e < mesh.elements.size(); ++e) {
@@ -83,9 +84,8 @@ std::optional<std::string> bending_warning(const BeamModel& model) {
   const auto n = static_cast<double>(mesh.elements.size());
   return fmt::format(
       "fem.ancf.chain.elements: {} elements bend by up to {:.3g} rad each as the chain lies, and "
-      "locking in thickness makes them {:.2g} times as stiff in bending as the band is. {} "
-      "elements "
-      "or more keep that below {:g} %; where the bending stiffness does not matter, leave it.",
+      "locking in thickness makes them {:.2g} times as stiff in bending as the band is. Set "
+      "fem.ancf.integration.strain: assumed; {} elements or more keep it below {:g} %, too.",
       mesh.elements.size(), worst_angle, 1.0 + worst,
       static_cast<long>(std::ceil(n * std::pow(worst / kMost, 0.25))), 100.0 * kMost);
 }

@@ -50,11 +50,11 @@ struct BeamParams {
   bool follows_macro_step = false;  ///< fem.micro_step_s is left out: steps of adaptive length
 };
 
-/// What locking in thickness makes of the bending of a chain as it lies at t = 0: sections are
-/// linear between the nodes, so an element of length l that bends by the angle θ must get thinner
-/// by θ²/8 in its middle, and is stiffer by the part θ² (l/h)²/10. Chains with rigid joints only:
-/// pins take the bend. A sentence with the number of elements that brings the part below 5 %, or
-/// none.
+/// What locking in thickness makes of the bending of a chain with compatible strains as it lies at
+/// t = 0: sections are linear between the nodes, so an element of length l that bends by the angle
+/// θ must get thinner by θ²/8 in its middle, and is stiffer by the part θ² (l/h)²/10. Assumed
+/// strains do not lock, and pins take the bend. A sentence with the number of elements that brings
+/// the part below 5 %, or none.
 [[nodiscard]] std::optional<std::string> bending_warning(const BeamModel& model);
 
 /// Throws a Usage error when the links do not fit the seats of a sprocket: the angle of a link on

@@ -1,5 +1,6 @@
 #include "fem_process/ancf/beam_shape.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
@@ -54,6 +55,25 @@ StressFree stress_free(const BeamVectors& reference, double length_m, double xi,
   const double between = (1.0 - xi) * area(2) + xi * area(6);
   const double here = Eigen::Vector3d(J0.col(1)).cross(Eigen::Vector3d(J0.col(2))).norm();
   return {.inverse = J0.inverse() * axes, .volume = J0.determinant() * between / here};
+}
+
+Eigen::Matrix3d assumed_metric(const BeamVectors& e, double length_m, double xi, double y,
+                               double z) {
+  const Eigen::Matrix3d J = e * shape_gradients(length_m, xi, y, z);
+  Eigen::Matrix3d C = J.transpose() * J;
+  const Eigen::Matrix<double, 3, 2> first = e.middleCols<2>(2);
+  const Eigen::Matrix<double, 3, 2> second = e.middleCols<2>(6);
+  C.bottomRightCorner<2, 2>() =
+      (1.0 - xi) * first.transpose() * first + xi * second.transpose() * second;
+  return C;
+}
+
+StressFree assumed_stress_free(const BeamVectors& reference, double length_m, double xi, double y,
+                               double z) {
+  const Eigen::Matrix3d C0 = assumed_metric(reference, length_m, xi, y, z);
+  // Lower triangular: its last axis along r_z, its first one normal to r_y and r_z.
+  return {.inverse = Eigen::LLT<Eigen::Matrix3d>(C0.inverse()).matrixL(),
+          .volume = std::sqrt(C0.determinant())};
 }
 
 GaussRule gauss_rule(int n) {

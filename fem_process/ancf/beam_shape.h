@@ -43,6 +43,15 @@ struct StressFree {
 [[nodiscard]] StressFree stress_free(const BeamVectors& reference, double length_m, double xi,
                                      double y, double z);
 
+/// The covariant components C = J_eᵀ J_e with those across, C_yy, C_zz and C_yz, linear between the
+/// nodes: assumed natural strains.
+[[nodiscard]] Eigen::Matrix3d assumed_metric(const BeamVectors& e, double length_m, double xi,
+                                             double y, double z);
+
+/// The same as stress_free() for these: T with Tᵀ C₀ T = I, in the same axes, and √det C₀.
+[[nodiscard]] StressFree assumed_stress_free(const BeamVectors& reference, double length_m,
+                                             double xi, double y, double z);
+
 /// Points and weights of the Gauss-Legendre rule on [0, 1], exact to degree 2n − 1.
 struct GaussRule {
   std::vector<double> point, weight;

@@ -51,7 +51,7 @@ ColumnPattern BeamSystem::pattern_of(const BeamMesh& mesh) {
 BeamSystem::BeamSystem(BeamModel model)
     : model_(std::move(model)),
       kernel_(model_.mesh, model_.section, rule_laws(model_.material, model_.integration),
-              model_.order),
+              model_.order, model_.strain),
       solver_(pattern_of(model_.mesh)) {
   list_blocks();
   list_masses();

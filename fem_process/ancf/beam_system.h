@@ -26,6 +26,7 @@ struct BeamModel {
   BeamMaterial material;
   Integration integration = Integration::Full;
   GaussOrder order;
+  Strain strain = Strain::Assumed;
   Eigen::Vector3d gravity_m_per_s2 = Eigen::Vector3d::Zero();
   std::vector<PointLoad> loads;
 };

@@ -239,9 +239,7 @@ TANDEM_INLINE void point_stress(const PointLaw& law, double theta, const LanePoi
 
 /// Elastic energy per stress-free volume W (J/m³), from E: small strains do not cancel.
 ///   J² − 1 = det(I + 2E) − 1,   J^(−2/3) tr FᵀF − 3 = (J^(−2/3) − 1)(3 + 2 tr E) + 2 tr E
-TANDEM_INLINE void point_energy(const PointLaw& law, const LanePoint& point, Lanes& W) {
-  LaneMatrix E;
-  green_strain(point.F, E);
+TANDEM_INLINE void energy_density(const PointLaw& law, const LaneMatrix& E, Lanes& W) {
   const Lanes trace = E.at[0] + E.at[4] + E.at[8];
   Lanes square;
   contract(E, E, square);

@@ -241,9 +241,12 @@ BeamParams read_beam_params(const Node& root) {
       model.material.law != ElasticLaw::NeoHookean) {
     integration.fail("kind", "volume_on_axis splits the neo-Hookean law only. Use axis_d0.");
   }
-  const std::vector<double> points = integration.reals("points");
-  model.order = {static_cast<int>(points[0]), static_cast<int>(points[1]),
-                 static_cast<int>(points[2])};
+  model.strain = integration.text("strain") == "compatible" ? Strain::Compatible : Strain::Assumed;
+  if (integration.has("points")) {
+    const std::vector<double> points = integration.reals("points");
+    model.order = {static_cast<int>(points[0]), static_cast<int>(points[1]),
+                   static_cast<int>(points[2])};
+  }
   model.gravity_m_per_s2 = fem.vector3("gravity_m_per_s2");
   if (ancf.has("loads")) {
     for (const Node& node : ancf.list("loads")) {

@@ -27,7 +27,7 @@ fem:
     chain: {elements: 16, left_support: clamped}
     section: {width_m: 0.02, height_m: 0.02}
     material: {law: svk, young_Pa: 2.0e+8, poisson: 0, density_kg_per_m3: 1000}
-    integration: {points: [5, 3, 3]}
+    integration: {strain: compatible, points: [5, 3, 3]}
     loads: [{at: 1, force_N: [0, 0, 8]}]
     watch: [{name: tip, at: 1}]
 )";
@@ -42,7 +42,7 @@ fem:
     chain: {elements: 8, left_support: hinged}
     section: {width_m: 0.02, height_m: 0.02}
     material: {law: svk, young_Pa: 2.0e+6, poisson: 0.3, density_kg_per_m3: 7200}
-    integration: {kind: axis_d0}
+    integration: {kind: axis_d0, strain: compatible}
     integrator: {rho_inf: 1}
     watch: [{name: tip, at: 1}]
 )";

@@ -4,7 +4,10 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
+#include "fem_process/ancf/beam_modes.h"
+#include "fem_process/simd.h"
 #include "tests/support/ancf_support.h"
 
 namespace tandem::fem::ancf {
@@ -55,17 +58,26 @@ struct Case {
   bool curved;
 };
 
-class AncfTangent : public ::testing::TestWithParam<Case> {};
+class AncfTangent : public ::testing::TestWithParam<std::tuple<Case, Strain>> {
+ protected:
+  static const Case& which() { return std::get<Case>(GetParam()); }
+  static BeamKernel kernel_of(const BeamMesh& mesh, const BeamMaterial& material) {
+    return {mesh,
+            kTrackSection,
+            rule_laws(material, which().integration),
+            {},
+            std::get<Strain>(GetParam())};
+  }
+};
 
 TEST_P(AncfTangent, IsTheDerivativeOfTheForces) {
-  const Case& which = GetParam();
   BeamMaterial material = track_rubber();
-  material.law = which.law;
-  material.viscosity = which.viscosity;
+  material.law = which().law;
+  material.viscosity = which().viscosity;
   // Makes the viscous part as large as the elastic one at the rates below.
   material.dilatation_s = material.deviation_s = 0.02;
-  const BeamMesh mesh = one_element(which.curved);
-  const BeamKernel kernel(mesh, kTrackSection, rule_laws(material, which.integration), {});
+  const BeamMesh mesh = one_element(which().curved);
+  const BeamKernel kernel = kernel_of(mesh, material);
   const Eigen::VectorXd q =
       mesh.q0 +
       0.05 * wobble(kCoordinates, 1.0)
@@ -90,11 +102,10 @@ TEST_P(AncfTangent, IsTheDerivativeOfTheForces) {
 }
 
 TEST_P(AncfTangent, ElasticForcesAreTheGradientOfTheEnergy) {
-  const Case& which = GetParam();
   BeamMaterial material = track_rubber();
-  material.law = which.law;
-  const BeamMesh mesh = one_element(which.curved);
-  const BeamKernel kernel(mesh, kTrackSection, rule_laws(material, which.integration), {});
+  material.law = which().law;
+  const BeamMesh mesh = one_element(which().curved);
+  const BeamKernel kernel = kernel_of(mesh, material);
   const Eigen::VectorXd q =
       mesh.q0 + 0.05 * wobble(kCoordinates, 3.0).cwiseProduct(mesh.q0.cwiseAbs());
   const Eigen::VectorXd f = force_of(kernel, q, Eigen::VectorXd::Zero(kCoordinates));
@@ -107,12 +118,11 @@ TEST_P(AncfTangent, ElasticForcesAreTheGradientOfTheEnergy) {
 }
 
 TEST_P(AncfTangent, RigidMotionGivesNoForce) {
-  const Case& which = GetParam();
   BeamMaterial material = track_rubber();
-  material.law = which.law;
-  material.viscosity = which.viscosity;
-  const BeamMesh mesh = one_element(which.curved);
-  const BeamKernel kernel(mesh, kTrackSection, rule_laws(material, which.integration), {});
+  material.law = which().law;
+  material.viscosity = which().viscosity;
+  const BeamMesh mesh = one_element(which().curved);
+  const BeamKernel kernel = kernel_of(mesh, material);
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(2.1, Eigen::Vector3d(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
   const Eigen::Vector3d spin(3.0, -1.0, 2.0);
@@ -131,19 +141,27 @@ TEST_P(AncfTangent, RigidMotionGivesNoForce) {
 
 INSTANTIATE_TEST_SUITE_P(
     AllLaws, AncfTangent,
-    ::testing::Values(
-        Case{"full", ElasticLaw::NeoHookean, Integration::Full, Viscosity::Spatial, false},
-        Case{"full_green", ElasticLaw::NeoHookean, Integration::Full, Viscosity::Green, false},
-        Case{"volume_on_axis", ElasticLaw::NeoHookean, Integration::VolumeOnAxis,
-             Viscosity::Spatial, false},
-        Case{"axis_d0", ElasticLaw::NeoHookean, Integration::AxisD0, Viscosity::Spatial, false},
-        Case{"svk", ElasticLaw::SaintVenantKirchhoff, Integration::Full, Viscosity::Green, false},
-        Case{"svk_axis_d0", ElasticLaw::SaintVenantKirchhoff, Integration::AxisD0,
-             Viscosity::Spatial, false},
-        Case{"curved", ElasticLaw::NeoHookean, Integration::Full, Viscosity::Spatial, true},
-        Case{"curved_svk", ElasticLaw::SaintVenantKirchhoff, Integration::Full, Viscosity::Green,
-             true}),
-    [](const auto& test) { return std::string(test.param.name); });
+    ::testing::Combine(
+        ::testing::Values(
+            Case{"full", ElasticLaw::NeoHookean, Integration::Full, Viscosity::Spatial, false},
+            Case{"full_green", ElasticLaw::NeoHookean, Integration::Full, Viscosity::Green, false},
+            Case{"volume_on_axis", ElasticLaw::NeoHookean, Integration::VolumeOnAxis,
+                 Viscosity::Spatial, false},
+            Case{"axis_d0", ElasticLaw::NeoHookean, Integration::AxisD0, Viscosity::Spatial, false},
+            Case{"svk", ElasticLaw::SaintVenantKirchhoff, Integration::Full, Viscosity::Green,
+                 false},
+            Case{"svk_axis_d0", ElasticLaw::SaintVenantKirchhoff, Integration::AxisD0,
+                 Viscosity::Spatial, false},
+            Case{"curved", ElasticLaw::NeoHookean, Integration::Full, Viscosity::Spatial, true},
+            Case{"curved_svk", ElasticLaw::SaintVenantKirchhoff, Integration::Full,
+                 Viscosity::Green, true},
+            Case{"curved_axis_d0", ElasticLaw::NeoHookean, Integration::AxisD0, Viscosity::Spatial,
+                 true}),
+        ::testing::Values(Strain::Assumed, Strain::Compatible)),
+    [](const auto& test) {
+      return std::string(std::get<Case>(test.param).name) +
+             (std::get<Strain>(test.param) == Strain::Assumed ? "_assumed" : "_compatible");
+    });
 
 TEST(AncfElement, MassMatrixIsTheReferenceOne) {
   const auto m = mass_matrix(2000.0, 0.12, kTrackSection);
@@ -215,23 +233,26 @@ TEST(AncfElement, GaussRuleIsExactToItsDegree) {
 
 TEST(AncfElement, UniaxialForceIsTheTablesOne) {
   const BeamMesh mesh = one_element();
-  const BeamKernel kernel(mesh, kTrackSection, rule_laws(track_rubber(), Integration::Full), {});
-  for (const testing::Row& row : testing::read_rows("uniaxial.csv")) {
-    const double stretch = testing::number(row, "lambda");
-    const double lateral = testing::number(row, "lambda_t");
-    Eigen::VectorXd q = mesh.q0;
-    for (int slot = 0; slot < kVectors; ++slot) {
-      q.segment<3>(3 * slot) *= slot % 4 < 2 ? stretch : lateral;
+  for (const Strain strain : {Strain::Assumed, Strain::Compatible}) {
+    const BeamKernel kernel(mesh, kTrackSection, rule_laws(track_rubber(), Integration::Full), {},
+                            strain);
+    for (const testing::Row& row : testing::read_rows("uniaxial.csv")) {
+      const double stretch = testing::number(row, "lambda");
+      const double lateral = testing::number(row, "lambda_t");
+      Eigen::VectorXd q = mesh.q0;
+      for (int slot = 0; slot < kVectors; ++slot) {
+        q.segment<3>(3 * slot) *= slot % 4 < 2 ? stretch : lateral;
+      }
+      const Eigen::VectorXd f = force_of(kernel, q, Eigen::VectorXd::Zero(kCoordinates));
+      const double force = testing::number(row, "force_N");
+      // r¹ needs −F, r² F. The table's λ_t is rounded at 5e-9: times ∂P/∂λ_t ≈ 2 k and the area,
+      // 0.1 N.
+      EXPECT_NEAR(f(12), force, 0.1) << stretch;
+      EXPECT_NEAR(f(0), -force, 0.1) << stretch;
+      // No stress across: what r_y¹ and r_z¹ need belongs to a volume of half the element.
+      EXPECT_NEAR(f(7), 0.0, 0.1 * 0.06) << stretch;
+      EXPECT_NEAR(f(11), 0.0, 0.1 * 0.06) << stretch;
     }
-    const Eigen::VectorXd f = force_of(kernel, q, Eigen::VectorXd::Zero(kCoordinates));
-    const double force = testing::number(row, "force_N");
-    // r¹ needs −F, r² F. The table's λ_t is rounded at 5e-9: times ∂P/∂λ_t ≈ 2 k and the area, 0.1
-    // N.
-    EXPECT_NEAR(f(12), force, 0.1) << stretch;
-    EXPECT_NEAR(f(0), -force, 0.1) << stretch;
-    // No stress across: what r_y¹ and r_z¹ need belongs to a volume of half the element.
-    EXPECT_NEAR(f(7), 0.0, 0.1 * 0.06) << stretch;
-    EXPECT_NEAR(f(11), 0.0, 0.1 * 0.06) << stretch;
   }
 }
 
@@ -248,11 +269,69 @@ TEST(AncfElement, LateralStretchIsTheTablesOne) {
 
 TEST(AncfElement, TurnedInsideOutIsReported) {
   const BeamMesh mesh = one_element();
-  const BeamKernel kernel(mesh, kTrackSection, rule_laws(track_rubber(), Integration::Full), {});
-  Eigen::VectorXd q = mesh.q0;
-  q.segment<3>(3 * 3) *= -1.0;
-  ElementArrays out{std::vector<double>(kCoordinates), {}};
-  EXPECT_EQ(kernel.forces(q, Eigen::VectorXd::Zero(kCoordinates), out), 1);
+  for (const Strain strain : {Strain::Assumed, Strain::Compatible}) {
+    const BeamKernel kernel(mesh, kTrackSection, rule_laws(track_rubber(), Integration::Full), {},
+                            strain);
+    ElementArrays out{std::vector<double>(kCoordinates), {}};
+    // Thickness and width: C, which has no sign, would not tell.
+    for (const int slot : {2, 3}) {
+      Eigen::VectorXd q = mesh.q0;
+      q.segment<3>(3 * slot) *= -1.0;
+      EXPECT_EQ(kernel.forces(q, Eigen::VectorXd::Zero(kCoordinates), out), 1);
+      q.segment<3>(3 * (slot + 4)) *= -1.0;
+      EXPECT_EQ(kernel.forces(q, Eigen::VectorXd::Zero(kCoordinates), out), 1);
+    }
+    EXPECT_EQ(kernel.forces(mesh.q0, Eigen::VectorXd::Zero(kCoordinates), out), 0);
+  }
+}
+
+// What the strains and their points leave without stiffness would move on its own.
+TEST(AncfElement, FreeChainsHaveSixRigidMotionsAndNoOther) {
+  constexpr int kLinks = 3;
+  for (const bool curved : {false, true}) {
+    const LoopPath ring{.radius1_m = 0.3, .radius2_m = 0.3};
+    Chain chain = curved ? lay(ring, {.elements = 16, .curved_reference = true})
+                         : lay(LinePath{.length_m = 0.36}, {.elements = kLinks});
+    chain.ends.resize(2 * kLinks);
+    chain.lengths_m.resize(kLinks);
+    chain.closed = false;
+    for (const Integration integration : {Integration::Full, Integration::AxisD0}) {
+      for (const Strain strain : {Strain::Assumed, Strain::Compatible}) {
+        const BeamSystem system({.mesh = join(chain),
+                                 .section = {0.05, 0.02},
+                                 .material = track_rubber(),
+                                 .integration = integration,
+                                 .strain = strain});
+        const Eigen::VectorXd f =
+            eigenfrequencies_Hz(system, system.mesh().q0, system.mesh().unknowns());
+        // Round-off of the highest, 1e-8 of it. The lowest bending is the next: 22.4 r/L² √(E/ρ) of
+        // some √(36 k/ρ)/h, 2e-3.
+        EXPECT_LT(f(5), 1e-6 * f(f.size() - 1));
+        EXPECT_GT(f(6), 3e-4 * f(f.size() - 1));
+      }
+    }
+  }
+}
+
+TEST(AncfElement, AllVectorUnitsGiveTheSameBits) {
+  const LoopPath ring{.radius1_m = 0.3, .radius2_m = 0.3};
+  const BeamMesh mesh = join(lay(ring, {.elements = 6, .curved_reference = true}));
+  const auto n = static_cast<std::size_t>(6);
+  const Eigen::VectorXd q = mesh.q0 + 0.01 * wobble(mesh.unknowns(), 1.0);
+  const Eigen::VectorXd v = 0.5 * wobble(mesh.unknowns(), 2.0);
+  for (const Strain strain : {Strain::Assumed, Strain::Compatible}) {
+    const BeamKernel kernel(mesh, kTrackSection, rule_laws(track_rubber(), Integration::AxisD0), {},
+                            strain);
+    std::vector<ElementArrays> seen;
+    for (const VectorUnit unit : {VectorUnit::Plain, VectorUnit::Avx2, VectorUnit::Avx512}) {
+      limit_vector_unit(unit);
+      seen.push_back({std::vector<double>(n * kCoordinates),
+                      std::vector<double>(n * kCoordinates * kCoordinates)});
+      EXPECT_EQ(kernel.tangents(q, v, 100.0, seen.back()), 0);
+      EXPECT_EQ(seen.back().force, seen.front().force);
+      EXPECT_EQ(seen.back().tangent, seen.front().tangent);
+    }
+  }
 }
 
 }  // namespace
