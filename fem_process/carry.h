@@ -22,6 +22,9 @@ struct Carried {
     Eigen::Matrix3d Q = Eigen::Matrix3d::Identity();     ///< exp(h [ω]×)
     Eigen::Matrix3d half = Eigen::Matrix3d::Identity();  ///< Q^½
     Eigen::Matrix3d mean = Eigen::Matrix3d::Identity();  ///< T of mean_over(h ω)
+    /// X and L of GeneralisedAlpha, for ports that go round with the part.
+    Eigen::Matrix3d circle_lead = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d prescribed_circle_lead = Eigen::Matrix3d::Zero();
   };
   double h_s = 0.0;
   std::vector<Turn> turns;            ///< per part
@@ -74,6 +77,17 @@ class Carry {
   /// Empty: none.
   [[nodiscard]] virtual Eigen::VectorXd drift(const Carried& carried,
                                               const MotionSet& end) const = 0;
+
+  /// What the plain step's accelerations lack of ports whose origins go round (m/s²), over the
+  /// nodes. Empty: none.
+  [[nodiscard]] virtual Eigen::VectorXd circling(const Carried&, const MotionSet&) const {
+    return {};
+  }
+  /// Carried::rigid with the same.
+  [[nodiscard]] virtual LoosePorts::RigidStep rigid(const Carried& carried,
+                                                    const MotionSet&) const {
+    return carried.rigid;
+  }
 
   /// Rigid velocities of the body with the mean motion of what holds it, in the picture (m/s):
   /// stiffness damping acts on the velocities beyond these. A free part goes as f_ext (N)

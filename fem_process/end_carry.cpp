@@ -201,6 +201,7 @@ Carried EndCarry::begin(const State& state, double h_s) const {
                                     : holders_rate(part, state.port_motions);
     }
     turn(omega, h_s, carried.turns[s]);
+    lead_circles(*model_.integrator, h_s, carried.turns[s]);
     carried.turning = carried.turning || !omega.isZero(0.0);
     see(part, state, carried.turns[s], carried, x_tilde, centripetal_a);
   }
@@ -267,23 +268,29 @@ MotionSet EndCarry::seen(const Carried& carried, const MotionSet& end) const {
   return motions;
 }
 
-Eigen::VectorXd EndCarry::drift(const Carried& carried, const MotionSet& end) const {
-  Eigen::VectorXd drift = Eigen::VectorXd::Zero(carried.begin.x.size());
-  const StepMap& map = carried.holder_map;
+Eigen::VectorXd EndCarry::spread(const std::vector<Eigen::Vector3d>& of_port) const {
+  Eigen::VectorXd field = Eigen::VectorXd::Zero(3 * model_.mesh.nodes());
   for (const BodyPart& part : parts_) {
     for (std::size_t k = 0; k < part.holders.size(); ++k) {
       if (part.holders[k] == BodyPart::kGround) continue;
-      const Motion& motion = end[static_cast<std::size_t>(part.holders[k])];
-      const Eigen::Index row = 3 * part.holders[k];
-      const Eigen::Vector3d e =
-          motion.p_WP - at(map.x_tilde, row) - at(map.d_hat, row) - map.c_x * motion.v_WP;
+      const Eigen::Vector3d& e = of_port[static_cast<std::size_t>(part.holders[k])];
       for (std::size_t i = 0; i < part.nodes.size(); ++i) {
-        drift.segment<3>(3 * part.nodes[i]) +=
+        field.segment<3>(3 * part.nodes[i]) +=
             part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) * e;
       }
     }
   }
-  return drift;
+  return field;
+}
+
+Eigen::VectorXd EndCarry::drift(const Carried& carried, const MotionSet& end) const {
+  const StepMap& map = carried.holder_map;
+  std::vector<Eigen::Vector3d> lacking(end.size());
+  for (std::size_t p = 0; p < end.size(); ++p) {
+    const auto row = 3 * static_cast<Eigen::Index>(p);
+    lacking[p] = end[p].p_WP - at(map.x_tilde, row) - at(map.d_hat, row) - map.c_x * end[p].v_WP;
+  }
+  return spread(lacking);
 }
 
 /// y = v_k + Q (v − v_k − ω × (x − p_k)) for a node of port k, from v; the ground stands at a fixed
@@ -306,7 +313,12 @@ Eigen::VectorXd EndCarry::prescribed_shift(const Carried& carried, const MotionS
 
 void EndCarry::conclude_rigid(const State& begin, const Carried& carried, const Made& made,
                               State& after) const {
-  after.rigid = kept_rates(*model_.integrator, carried.begin.rigid, made.rates, carried.h_s);
+  LoosePorts::Rates rates = made.rates;
+  const Lead lead = this->lead(carried, made.end);
+  for (std::size_t k = 0; k < loose_.ports().size(); ++k) {
+    rates.v.segment<3>(12 * static_cast<Eigen::Index>(k)) += lead.sigma[loose_.ports()[k].index];
+  }
+  after.rigid = kept_rates(*model_.integrator, carried.begin.rigid, rates, carried.h_s);
   for (std::size_t k = 0; k < loose_.ports().size(); ++k) {
     const LoosePorts::Port& port = loose_.ports()[k];
     const Motion& motion = made.end[port.index];
@@ -325,16 +337,22 @@ void EndCarry::conclude(const State& begin, const Carried& carried, Made made, S
   const Integrator& integrator = *model_.integrator;
   const double h_s = carried.h_s;
   after.x = made.x;
-  integrator.keep(carried.begin, made.v, made.a, h_s, after);
+  const Lead lead = this->lead(carried, made.end);
+  integrator.keep(carried.begin, rotates_ ? made.v + spread(lead.sigma) : made.v, made.a, h_s,
+                  after);
   after.port_motions = made.end;
   State holder = holder_state(after);
-  const Eigen::VectorXd q = carried.holder_map.a_hat + carried.holder_map.c_a * holder.v;
-  const Eigen::VectorXd v_holder = holder.v;
+  const Eigen::VectorXd a_mean = (holder.v - carried.holder.v) / h_s;
+  Eigen::VectorXd v_holder = holder.v;
+  for (std::size_t p = 0; p < lead.sigma.size(); ++p) {
+    v_holder.segment<3>(3 * static_cast<Eigen::Index>(p)) += lead.sigma[p];
+  }
+  const Eigen::VectorXd q = carried.holder_map.a_hat + carried.holder_map.c_a * v_holder;
   integrator.keep(carried.holder, v_holder, q, h_s, holder);
   after.port_rates = {.v = {},
                       .a = std::move(holder.a),
                       .acceleration = std::move(holder.acceleration),
-                      .a_mean = std::move(holder.a_mean)};
+                      .a_mean = a_mean};
 
   after.v = made.v;
   after.relative_velocity.resize(made.x.size());

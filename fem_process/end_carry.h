@@ -16,6 +16,10 @@ namespace tandem::fem {
 /// Then, y being the velocities solved for,
 ///   v⁺ = v_p⁺ + ω × (x⁺ − p⁺) + Qᵀ (y − v_p⁺),   a⁺ ← a⁺ + ω² (x⁺ − p⁺).
 ///
+/// The origin of a port may go round itself, on a circle that turns with the part: its velocities
+/// are differenced with the weight Γ of GeneralisedAlpha. The plain step differences with γ, so
+/// it lacks c_a σ_k of q⁺, σ_k of v_k⁺, v_k and a_k in W: spread over the body by φ like e_k.
+///
 /// In turning axes the motion relative to the holder has Coriolis's acceleration −2 ω × w. It turns
 /// w by −2 ω h over the step, half of it before and half after the plain step [Strang 1968]; in W
 /// axes the first half leaves v̂ − v_p as it is, the second is Qᵀ. Both halves keep w·w, and the
@@ -32,6 +36,10 @@ class EndCarry final : public Carry {
   [[nodiscard]] Carried begin(const State& state, double h_s) const override;
   [[nodiscard]] MotionSet seen(const Carried& carried, const MotionSet& end) const override;
   [[nodiscard]] Eigen::VectorXd drift(const Carried& carried, const MotionSet& end) const override;
+  [[nodiscard]] Eigen::VectorXd circling(const Carried& carried,
+                                         const MotionSet& end) const override;
+  [[nodiscard]] LoosePorts::RigidStep rigid(const Carried& carried,
+                                            const MotionSet& end) const override;
   void take_mean(const Carried&, Eigen::VectorXd&) const override {
     // Forces are balanced where they stand at the end.
   }
@@ -51,6 +59,16 @@ class EndCarry final : public Carry {
     Eigen::Vector3d a = Eigen::Vector3d::Zero();
     Eigen::Vector3d q = Eigen::Vector3d::Zero();
   };
+  /// What the difference formulas for the acceleration of a port's origin lack of its circle.
+  struct Lead {
+    std::vector<Eigen::Vector3d> sigma;       ///< of velocities of free nodes (m/s)
+    std::vector<Eigen::Vector3d> prescribed;  ///< of accelerations of prescribed ones (m/s²)
+  };
+  /// X and L of the integrator in the plane that a part turns in.
+  static void lead_circles(const Integrator& integrator, double h_s, Carried::Turn& turn);
+  [[nodiscard]] Lead lead(const Carried& carried, const MotionSet& end) const;
+  /// Σ_k φ_k e_k over the nodes, of one vector per port.
+  [[nodiscard]] Eigen::VectorXd spread(const std::vector<Eigen::Vector3d>& of_port) const;
   void refer(std::size_t s, const State& begin, const Carried& carried, const MotionSet& end,
              Eigen::VectorXd& v) const override;
   [[nodiscard]] bool turns_by_itself(const BodyPart& part) const;

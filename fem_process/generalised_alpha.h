@@ -18,6 +18,18 @@ namespace tandem::fem {
 /// (v⁺ − v)/h, second order, which forgets jumps of the prescribed velocity after two steps.
 /// Impulse: the sum of h times the wrenches differs from the change of momentum by terms of the
 /// first and the last two steps alone; it does not grow.
+///
+/// A point that goes round on a circle, its velocity turning by θ per step, z = exp(iθ): the
+/// recursion differences chords: q is θ²/12 or more too large, and turned where weights damp. With
+///   Γ a⁺ + (1 − Γ) a = (v⁺ − v)/h,   Γ = γ − i k + (α_f − α_m) (g − 1),
+///   k = 1/θ − ½ cot(θ/2) = θ/12 + …,   g = (z − 1)/(iθ)/((1 − α_f) z + α_f)
+/// q is ω × v where the weights are of second order (γ = ½ + α_f − α_m), and at constant
+/// accelerations what it was. i k is the end correction of the trapezoidal rule, h²/12 of the
+/// change of a˙ = ω × a, fitted; Γ keeps what γ has: sums over steps telescope, and with γ = ½
+/// no motion, of any frequency, gains or loses energy. Γ is γ with v⁺ + σ in place of v⁺,
+///   σ = h X ((v⁺ − v)/h − a),   X = γ/Γ − 1 (circle_lead).
+/// Prescribed nodes: q⁺ = ā + (½ + L) (ā − ā_n) with L = −k θ + i (k + θ/4 − k² θ)
+/// (prescribed_circle_lead). Both are held from 2 rad per step on: they end at a whole turn.
 class GeneralisedAlpha final : public Integrator {
  public:
   struct Weights {
@@ -41,6 +53,8 @@ class GeneralisedAlpha final : public Integrator {
   void keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a, double h_s,
             State& after) const override;
   [[nodiscard]] bool keeps_history() const override { return true; }
+  [[nodiscard]] std::complex<double> circle_lead(double turn_rad) const override;
+  [[nodiscard]] std::complex<double> prescribed_circle_lead(double turn_rad) const override;
 
  private:
   Weights weights_;

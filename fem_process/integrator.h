@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <memory>
 
 #include "fem_process/params.h"
@@ -35,6 +36,11 @@ class Integrator {
   /// it is not a, acceleration. Linear in all arguments, so that it carries derivatives as well.
   virtual void keep(const State& begin, const Eigen::VectorXd& v, const Eigen::VectorXd& a,
                     double h_s, State& after) const = 0;
+  /// What a and, where it is prescribed, a⁺ lack of a point that goes round with the body, which
+  /// turns by `turn_rad` per step: see GeneralisedAlpha. Complex numbers are vectors across the
+  /// axis.
+  [[nodiscard]] virtual std::complex<double> circle_lead(double) const { return 0.0; }
+  [[nodiscard]] virtual std::complex<double> prescribed_circle_lead(double) const { return 0.0; }
   /// Whether the state carries a and a_mean.
   [[nodiscard]] virtual bool keeps_history() const = 0;
   /// Whether reactions act constantly over the step, so that h times the reaction is the impulse on

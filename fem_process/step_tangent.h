@@ -79,6 +79,7 @@ class StepTangent {
     Eigen::VectorXd dv;           ///< of what is solved for
     Eigen::VectorXd dd;           ///< of x⁺ − x̃
     Eigen::VectorXd da;           ///< of a⁺
+    Eigen::VectorXd d_circling;   ///< of Carry::circling; empty: zero
     Eigen::VectorXd d_reference;  ///< of the velocities that damping refers to; empty: undamped
     Eigen::VectorXd d_shift;      ///< of Carry::prescribed_shift; empty: undamped
     Eigen::VectorXd d_drag;       ///< of Carried::drag; empty: zero

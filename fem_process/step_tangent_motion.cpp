@@ -139,6 +139,12 @@ void StepTangent::see(const Step& step, Direction& direction) const {
   if (drift.size() > 0) {
     direction.dd += scale * (drift - carry_.drift(below.carried, below.end));
   }
+  direction.d_circling = carry_.circling(above.carried, above.end);
+  if (direction.d_circling.size() > 0) {
+    direction.d_circling =
+        scale * (direction.d_circling - carry_.circling(below.carried, below.end));
+    direction.da += direction.d_circling;
+  }
   direction.d_seen.motions = scale * difference(carry_.seen(below.carried, below.end),
                                                 carry_.seen(above.carried, above.end));
   direction.d_seen.back.resize(loose_.ports().size());
@@ -190,8 +196,8 @@ void StepTangent::see_loose(const Nudged& below, const Nudged& above, Direction&
     const Eigen::VectorXd d_hat = carried.map.d_hat + carry_.drift(carried, nudged.end);
     Added added{Eigen::VectorXd::Zero(d_hat.size()), Eigen::VectorXd::Zero(d_hat.size()), {}};
     const PortsSeen seen = carry_.ports_seen(carried, nudged.end);
-    added.rates =
-        loose_.prescribe(carried.map, carried.rigid, d_hat, {nudged.end, seen}, added.d, added.a);
+    added.rates = loose_.prescribe(carried.map, carry_.rigid(carried, nudged.end), d_hat,
+                                   {nudged.end, seen}, added.d, added.a);
     return added;
   };
   const Added a = prescribe(below);
@@ -281,6 +287,7 @@ void StepTangent::prescribe(const Step& step, Eigen::Index column, Direction& di
         dd += direction.map.d_hat.segment<3>(at);
       }
     }
+    if (direction.d_circling.size() > 0) da += direction.d_circling.segment<3>(at);
     direction.da.segment<3>(at) = da;
     direction.dd.segment<3>(at) = dd;
   }

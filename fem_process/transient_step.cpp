@@ -316,10 +316,14 @@ TransientStep::Result TransientStep::attempt(const State& begin, const MotionSet
     a.segment<3>(at) = map.a_hat_prescribed.segment<3>(at) + map.c_a_prescribed * v.segment<3>(at);
     if (map.prescribed_position) d.segment<3>(at) = x.segment<3>(at) - map.x_tilde.segment<3>(at);
   }
+  if (const Eigen::VectorXd lacking = carry_->circling(kept.carried, end); lacking.size() > 0) {
+    a += lacking;
+  }
   result.seen = carry_->ports_seen(kept.carried, end);
   result.torques = torque_arms(kept.carried, end, about);
   if (model_.integrator->keeps_history()) {
-    result.rates = loose_.prescribe(map, kept.carried.rigid, d_hat, {end, result.seen}, d, a);
+    const LoosePorts::RigidStep rigid = carry_->rigid(kept.carried, end);
+    result.rates = loose_.prescribe(map, rigid, d_hat, {end, result.seen}, d, a);
   }
   result.state.attached = begin.attached;
   const Eigen::VectorXd commanded = commanded_forces(begin);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <complex>
 
 namespace tandem::fem {
 
@@ -22,6 +23,13 @@ namespace tandem::fem {
   const Eigen::Vector3d n = theta / angle;
   const double s = std::sin(0.5 * angle) / (0.5 * angle);
   return s * Eigen::Matrix3d::Identity() + (1.0 - s) * n * n.transpose();
+}
+
+/// What a complex number does in the plane across an axis n: Re c (1 − n nᵀ) + Im c [n]×.
+[[nodiscard]] inline Eigen::Matrix3d across(const Eigen::Vector3d& n, std::complex<double> c) {
+  Eigen::Matrix3d turned;
+  for (int k = 0; k < 3; ++k) turned.col(k) = n.cross(Eigen::Vector3d(Eigen::Vector3d::Unit(k)));
+  return c.real() * (Eigen::Matrix3d::Identity() - n * n.transpose()) + c.imag() * turned;
 }
 
 }  // namespace tandem::fem

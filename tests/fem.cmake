@@ -11,7 +11,8 @@ tandem_test(fem_reduced SOURCES unit/fem_floating_frame.cpp unit/fem_reduction.c
 tandem_test(fem_contract SOURCES contract/fem_contract.cpp contract/fem_reduced_contract.cpp LIBS fem LABELS contract)
 tandem_test(fem_reference
   SOURCES reference/fem_materials_reference.cpp reference/fem_modes.cpp reference/fem_reference.cpp reference/fem_statics.cpp
-    reference/fem_rotor.cpp reference/fem_tet10_reference.cpp reference/fem_transient.cpp reference/fem_turning.cpp support/fem_reference_cases.cpp
+    reference/fem_rotor.cpp reference/fem_tet10_reference.cpp reference/fem_transient.cpp reference/fem_turning.cpp
+    reference/fem_turning_crank.cpp support/fem_reference_cases.cpp
   LIBS fem LABELS reference)
 tandem_test(fem_command SOURCES process/fem_command.cpp LIBS orchestrator LABELS process)
 tandem_test(fem_convergence SOURCES convergence/fem_mesh_size.cpp convergence/fem_order.cpp LIBS fem LABELS convergence)
