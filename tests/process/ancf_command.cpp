@@ -223,25 +223,32 @@ fem:
 }
 
 TEST_F(AncfCommand, HangingRopeStretchesUnderItsWeight) {
-  const FemOutcome outcome = run(R"(name: rope
+  const auto stretch_with = [&](int elements) {
+    const FemOutcome outcome = run(R"(name: rope
 fem:
   model: ancf
   gravity_m_per_s2: [0, 0, -9.81]
   analysis: {load_steps: 1}
   ancf:
     path: {kind: line, direction: [0, 0, -1], length_m: 2}
-    chain: {elements: 64, left_support: clamped}
+    chain: {elements: )" + std::to_string(elements) +
+                                       R"(, left_support: clamped}
     section: {width_m: 0.01, height_m: 0.01}
     material: {law: svk, young_Pa: 1.0e+7, poisson: 0, density_kg_per_m3: 1000}
     watch: [{name: end, at: 1}]
 )",
-                                 "static");
-  EXPECT_EQ(outcome.exit_code, 0);
-  // ρ g L²/(2 E). The clamp holds r_x too, so that the first element has less strain: 0.4 % here,
-  // and 3 % with eight elements. The law adds 1.5 times the strain of at most 2e-3.
+                                   "static");
+    EXPECT_EQ(outcome.exit_code, 0);
+    return -outcome.results["load_steps"].back()["displacement_m"]["end"][2].get<double>();
+  };
+  // ρ g L²/(2 E); the law takes 1.5 times the strain of at most 2e-3 of it. The clamp holds r_x
+  // too: the first of n elements, with 2/n of the whole stretch, lacks a quarter of its own or
+  // less.
   const double stretch = 1000.0 * 9.81 * 4.0 / (2.0 * 1e7);
-  const auto u = outcome.results["load_steps"].back()["displacement_m"]["end"];
-  EXPECT_NEAR(u[2].get<double>(), -stretch, 6e-3 * stretch);
+  const double coarse = stretch_with(64);
+  const double fine = stretch_with(128);
+  EXPECT_NEAR(coarse, stretch, 2.0 / 64.0 / 4.0 * stretch);
+  EXPECT_NEAR(2.0 * fine - coarse, stretch, 1.5 * 2e-3 * stretch);
 }
 
 TEST_F(AncfCommand, KeysOfTheOtherModelAreRefused) {

@@ -86,6 +86,19 @@ TEST(AncfVehicle, DrivesAsTheReference) {
   EXPECT_GT(inertia.x(), 400.0);
 }
 
+// The example has the reference's compatible strains. Its links bend little and its pins a lot:
+// strains that do not lock change the drive by no more than the reference's own step does (0.2 %).
+TEST(AncfVehicle, DrivesWithAssumedStrainsAsWithCompatibleOnes) {
+  const History assumed = drive({"run.duration_s=0.6", "fem.ancf.integration.strain=assumed"});
+  const History compatible = drive({"run.duration_s=0.6"});
+  ASSERT_EQ(assumed.report.status, RunStatus::Done) << assumed.report.message;
+  for (const double t : {0.4, 0.5, 0.6}) {
+    const double expected = compatible.chassis[compatible.at(t)].x() - compatible.chassis[0].x();
+    const double moved = assumed.chassis[assumed.at(t)].x() - assumed.chassis[0].x();
+    EXPECT_NEAR(moved, expected, 0.002 * expected) << "t = " << t;
+  }
+}
+
 TEST(AncfVehicle, SlidesWithTheFrictionOfTheGround) {
   // μ = 0.2 and a plateau of 30 rad/s: the ground gives μ m g and no more.
   const History run =
