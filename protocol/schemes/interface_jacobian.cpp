@@ -89,6 +89,7 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
   Eigen::PartialPivLU<Eigen::MatrixXd> newton_matrix;
   double round_off_N = 0.0, pose_N = 0.0;
   bool patient = true, changed = true;  // the matrix is to be made anew
+  bool fresh = false;                   // the flexible side was linearised in this step
   Evaluation last;
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
@@ -99,6 +100,7 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
     changed |= linearize.mbs || linearize.fem;
+    fresh |= linearize.fem;
     if (k > 1) {
       changed |= mbs_block_.learn(stack(lambda) - stack(path.last()),
                                   difference(last.motions, evaluation.motions));
@@ -143,7 +145,7 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     if (linearize.fem) path.linearised(end.residual_N);
     path.go(newton_matrix.solve(residual), end.residual_N);
     const bool slow = k > 1 && end.residual_N > kFast * last_N;
-    const bool lost = slow && end.residual_N > kLarge * evaluation.wrench_N;
+    const bool lost = slow && !fresh && end.residual_N > kLarge * evaluation.wrench_N;
     linearize.mbs = linearize.fem = lost || (slow && (!patient || k % kPatience == 0));
     last = std::move(evaluation);
   }
