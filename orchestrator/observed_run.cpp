@@ -29,7 +29,7 @@ ObservedRun observe_run(const Model& model, Mode mode, const std::filesystem::pa
   }
   run.exit_code = outcome.exit_code;
   run.summary = std::move(outcome.summary);
-  if (run.out_of_time) run.summary["status"] = "out_of_time";
+  if (run.out_of_time) run.summary["status"] = kOutOfTime;
   return run;
 }
 

@@ -17,6 +17,9 @@ using History = std::vector<AcceptedInterface>;
 /// A time of now_s() that never comes.
 inline constexpr double kNoDeadline = std::numeric_limits<double>::infinity();
 
+/// The status of a run that was broken off at its deadline.
+inline constexpr const char* kOutOfTime = "out_of_time";
+
 /// A run made for a comparison.
 struct ObservedRun {
   int exit_code = 0;         ///< 0, or 3: a numerical end, which is a result to show

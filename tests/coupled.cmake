@@ -5,7 +5,7 @@ target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE
 target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 tandem_test(coupled_unit
-  SOURCES unit/body_rates.cpp unit/check_warnings.cpp unit/chosen_settings.cpp unit/compare_price.cpp unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp unit/newmark_bound.cpp
+  SOURCES unit/advise_candidates.cpp unit/advise_choice.cpp unit/body_rates.cpp unit/check_warnings.cpp unit/chosen_settings.cpp unit/compare_price.cpp unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp unit/newmark_bound.cpp
     unit/run_folder.cpp unit/verdict.cpp
   LIBS coupled_support nlohmann_json::nlohmann_json LABELS unit)
 tandem_test(coupled_convergence

@@ -119,6 +119,52 @@ TEST(Advise, BracketsTheLimitOfTheExplicitSchemeAndRecommendsAStepBelowIt) {
   EXPECT_NE(ended.output.find("recommended: "), std::string::npos) << ended.output;
 }
 
+// The printed command does what the advice says of it: the same verdict, an error within what was
+// asked for by runs of its own, and a cost beside that of the scenario's own settings.
+TEST(Advise, PrintsACommandThatDoesWhatItSays) {
+  const TemporaryFolder folder("tandem_advise");
+  const std::string scenario = kExamples + "pendulum_beam/scenario.yaml";
+  const Ended ended =
+      tandem_command({"advise", scenario, "--accuracy", "1e-2", "--trial-steps", "50", "--set",
+                      "run.duration_s=0.4", "--most-s", "40", "--out", (folder / "a").string()});
+  ASSERT_EQ(ended.code, 0) << ended.output;
+  const nlohmann::json json = results_of(folder / "a/advise.json");
+  const auto& recommended = json.at("recommended");
+  ASSERT_TRUE(json.at("check").at("whole_run").get<bool>()) << ended.output;
+  const auto& measured = recommended.at("measured");
+  EXPECT_LE(measured.at("error").get<double>(), 1e-2);
+  EXPECT_GT(measured.at("wall_s_per_simulated_s").get<double>(), 0.0);
+
+  const std::size_t at = ended.output.find("  tandem run ");
+  ASSERT_NE(at, std::string::npos) << ended.output;
+  const std::string line = ended.output.substr(at + 2, ended.output.find('\n', at + 2) - at - 2);
+  const auto run = [&](const std::string& name, const std::string& more) {
+    const std::string command = without_spaces(TANDEM_BIN_DIR) + "/" + line + more +
+                                " --quiet --transport inproc --out " + (folder / name).string();
+    return run_command({"/bin/sh", "-c", command}, {}, 120.0);
+  };
+  const Ended printed = run("printed", "");
+  ASSERT_EQ(printed.code, 0) << line << "\n" << printed.output;
+  const nlohmann::json summary = summary_of(folder / "printed");
+  EXPECT_EQ(summary.at("verdict").at("status"), measured.at("verdict").at("status"));
+  EXPECT_EQ(summary.at("scheme"), recommended.at("scheme"));
+  // A quarter of the step, as a reference: the end of the run is within the error over all of it.
+  const double step_s = recommended.at("macro_step_s");
+  const Ended fine = run("fine", " --set run.macro_step_s=" + nlohmann::json(step_s / 4).dump());
+  ASSERT_EQ(fine.code, 0) << fine.output;
+  const auto end_of = [&](const std::string& name) {
+    return summary_of(folder / name).at("ports").begin().value().at("q_WP_wxyz");
+  };
+  double angle = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    angle += std::pow(end_of("printed")[i].get<double>() - end_of("fine")[i].get<double>(), 2);
+  }
+  angle = 2.0 * std::sqrt(angle);
+  // The pendulum swings by more than half a radian: a hundredth of that at most, and not by luck 0.
+  EXPECT_LT(angle, 1e-2 * 2.0);
+  EXPECT_GT(angle, 0.0);
+}
+
 // A motor turns the port by an angle that it prescribes, from rest: what trial runs of 0.1 s see of
 // it is the same with every step. At 100 rad/s a step of more than 2 ms turns by more than 0.2 rad.
 TEST(Advise, BoundsTheStepByTheTurningAtTheEndOfTheRun) {

@@ -1,7 +1,7 @@
 // The measured strength of a coupling against closed forms: a free mass m that carries a mass μ and
 // a spring k has the gain G = −(μ + H² k)/m.
 
-#include "orchestrator/interface_ratios.h"
+#include "orchestrator/advise/interface_ratios.h"
 
 #include <gtest/gtest.h>
 

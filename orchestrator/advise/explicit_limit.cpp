@@ -1,4 +1,4 @@
-#include "orchestrator/explicit_limit.h"
+#include "orchestrator/advise/explicit_limit.h"
 
 #include <fmt/format.h>
 
@@ -41,7 +41,7 @@ std::vector<InterfaceRatios> ratios_over_step(const LoadTrial& load, double step
   std::vector<InterfaceRatios> ratios;
   for (int level = -kFinerSteps; level <= kCoarserSteps; ++level) {
     const double h_s = level == 0 ? step_s : whole_step(std::ldexp(step_s, level));
-    const Model model = load("", h_s, h_s);
+    const Model model = load({}, h_s, h_s);
     const auto mbs = make_mbs(model, {});
     const auto fem = make_fem(model, {});
     ratios.push_back(measure_ratios(*mbs, *fem, model.run.macro_step));
@@ -57,7 +57,7 @@ ExplicitLimit explicit_limit(const LoadTrial& load, const std::vector<InterfaceR
   const auto book = [&](double wanted_s) {
     const double h_s = whole_step(wanted_s);
     const ObservedRun run =
-        observe_run(load("explicit_serial", h_s, kTrialSteps * h_s), Mode::Inproc,
+        observe_run(load({"coupling.scheme=explicit_serial"}, h_s, kTrialSteps * h_s), Mode::Inproc,
                     folder / "stability" / fmt::format("{}", h_s),
                     fmt::format("stability: explicit_serial, H = {:g} s", h_s), deadline_s);
     limit.out_of_time = run.out_of_time;

@@ -1,4 +1,4 @@
-#include "orchestrator/interface_ratios.h"
+#include "orchestrator/advise/interface_ratios.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>

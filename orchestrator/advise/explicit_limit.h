@@ -1,18 +1,13 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <string>
 #include <vector>
 
-#include "orchestrator/interface_ratios.h"
-#include "orchestrator/model.h"
+#include "orchestrator/advise/interface_ratios.h"
+#include "orchestrator/advise/load_trial.h"
 #include "orchestrator/observed_run.h"
 
 namespace tandem::orchestrator {
-
-/// The scenario with a scheme ("" = its own), a macro step and a duration (s, 0 = its own).
-using LoadTrial = std::function<Model(const std::string& scheme, double step_s, double duration_s)>;
 
 /// The coupling at steps from H/64 to 8 H, ascending.
 [[nodiscard]] std::vector<InterfaceRatios> ratios_over_step(const LoadTrial& load, double step_s);
