@@ -106,7 +106,7 @@ Key solver_key() {
           .above(0)
           .below(1)
           .doc_is("Residual at which PCG stops, relative to the right-hand side. Left out: 1e-4 "
-                  "run.accuracy in coupled runs, else 1e-12."),
+                  "run.accuracy, at most 1e-10, in coupled runs, else 1e-12."),
       scenario::integer("max_iterations")
           .only_when("kind", {"pcg"})
           .at_least(1)

@@ -18,7 +18,7 @@ namespace tandem::orchestrator {
 /// | fem.solver.kind | `pcg`; `cholmod` where its factor serves columns of loose ports, where the
 ///   matrix may be indefinite (exact tangents) or is solved once (statics), with a < 1e-8 |
 ///   left out or `automatic` |
-/// | fem.solver.tolerance | 1e-4 a, at least 1e-13: what PCG leaves in the wrench is below what the
+/// | fem.solver.tolerance | 1e-4 a, 1e-13 to 1e-10: what PCG leaves in the wrench is below what the
 ///   iterations see | `pcg` |
 /// | coupling.jacobian.fem_refresh | `broyden`; `every_step` with a < 1e-8 | `automatic`, one solid
 ///   on a mesh, interface_jacobian |

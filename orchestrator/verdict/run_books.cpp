@@ -113,6 +113,8 @@ RunBooks books_of_run(const Model& model, bool monolithic, const ordered_json& s
   if (summary.contains("parasitic_mass_kg")) {
     books.parasitic_mass_kg = number_at(summary, "parasitic_mass_kg");
   }
+  books.residual_part = number_at(summary.at("residual"), "part_of_wrench");
+  books.accuracy = model.scenario.root.section("run").real("accuracy");
   books.largest_step_s = number_at(summary, "largest_step_s");
   books.elastic_turn_rad = number_at(summary, "elastic_turn_rad");
   const ordered_json& turn = summary.at("largest_turn");

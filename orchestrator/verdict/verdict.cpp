@@ -75,6 +75,19 @@ void judge_steps(const RunBooks& books, std::vector<Cause>& causes) {
                                           books.not_converged_steps, books.macro_steps),
                       .remedy = said.empty() ? "lower " + step_key(books) + "." : said});
   }
+  if (books.not_converged_steps == 0 && exceeds(books.residual_part, books.accuracy)) {
+    causes.push_back(
+        {.name = "residual",
+         .value = books.residual_part,
+         .threshold = books.accuracy,
+         .text =
+             fmt::format("the iterations have left {:.2g} of the largest wrench in a macro step, "
+                         "where run.accuracy is {:g}",
+                         books.residual_part, books.accuracy),
+         .remedy = "lower fem.solver.tolerance or use fem.solver.kind: cholmod, and lower "
+                   "coupling.relative_tolerance and tolerance_N where they are set; or say that it "
+                   "is enough by run.accuracy."});
+  }
   if (books.steps_beyond_tolerance > 0) {
     causes.push_back(
         {.name = "steps_beyond_tolerance",

@@ -39,6 +39,8 @@ struct RunBooks {
   std::int64_t not_converged_steps = 0;
   std::string not_converged_message;  ///< of the first
   std::int64_t steps_beyond_tolerance = 0;
+  double residual_part = 0.0;  ///< largest that an iterated step has left, of the largest wrench
+  double accuracy = 1.0;       ///< run.accuracy: what it may leave
 
   std::optional<double> parasitic_mass_kg;  ///< of the lines, with tlm
   double lightest_port_body_kg = 0.0;       ///< what carries a port; 0: not known

@@ -271,6 +271,7 @@ class CoupledRun {
     if (state_.history.size() > InterfaceState::kHistory) state_.history.pop_back();
     state_.time = t_end;
     book_moment(end);
+    book_residual(end);
     report_.book_turn(state_.time - state_.history.front().time, state_.motions, end.motions);
     state_.motions = end.motions;
     state_.wrenches = end.wrenches;
@@ -302,6 +303,14 @@ class CoupledRun {
       size_m = std::max(size_m, end.motions[i].p_WP.norm() + ports_[i].length_m);
     }
     largest_moment_J_ = std::max(largest_moment_J_, size_m * wrench_norm_N(end.wrenches, ports_));
+  }
+
+  /// What the iterations have left; the residual of the others is no error.
+  void book_residual(const MacroStepEnd& end) {
+    const SchemeKind scheme = params_.coupling.scheme;
+    if (scheme != SchemeKind::InterfaceNewton && scheme != SchemeKind::Implicit) return;
+    report_.residual_max_N = std::max(report_.residual_max_N, end.residual_N);
+    report_.wrench_max_N = std::max(report_.wrench_max_N, wrench_norm_N(end.wrenches, ports_));
   }
 
   [[nodiscard]] bool observes_at(std::int64_t macro_step) const {

@@ -161,6 +161,9 @@ ordered_json to_json(const RunReport& r) {
     json["largest_step_s"] = to_seconds(r.largest_step);
     json["largest_turn"] = {{"rad", r.largest_turn_rad}, {"port", r.turning_port}};
     json["elastic_turn_rad"] = r.elastic_turn_rad;
+    json["residual"] = {
+        {"largest_N", r.residual_max_N},
+        {"part_of_wrench", r.wrench_max_N > 0.0 ? r.residual_max_N / r.wrench_max_N : 0.0}};
     json["widest_joint"] = {{"gap_m", r.widest_joint.gap_m},
                             {"part_of_arm", r.widest_joint.part},
                             {"joint", r.widest_joint.joint}};

@@ -38,7 +38,9 @@ struct RunReport {
   std::int64_t rejected_steps = 0;          ///< macro steps made again with a shorter one
   std::int64_t steps_beyond_tolerance = 0;  ///< adaptive ones that could not be made shorter
   double elastic_turn_rad = 0.0;            ///< largest, of a linear body; see Observation
-  JointGap widest_joint;                    ///< largest part of its arm, at some times of the run
+  double residual_max_N = 0.0;  ///< that an accepted macro step of an iterating scheme has left
+  double wrench_max_N = 0.0;    ///< norm of the largest accepted wrench
+  JointGap widest_joint;        ///< largest part of its arm, at some times of the run
   std::optional<double> parasitic_mass_kg;  ///< of the line at each port, with tlm (largest)
   Ledger ledger;
   std::vector<double>

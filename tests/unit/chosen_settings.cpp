@@ -40,7 +40,7 @@ TEST(ChosenSettings, FollowFromTheAccuracy) {
   EXPECT_EQ(chosen_for("lug/scenario.yaml", {{"run.accuracy", "1e-4"}}),
             (Settings{{kTolerance, "1e-05"},
                       {kSolver, "pcg"},
-                      {kSolverTolerance, "1e-08"},
+                      {kSolverTolerance, "1e-10"},
                       {kRefresh, "broyden"}}));
   EXPECT_EQ(chosen_for("lug/scenario.yaml", {{"run.accuracy", "1e-10"}}),
             (Settings{{kTolerance, "1e-11"}, {kSolver, "cholmod"}}));

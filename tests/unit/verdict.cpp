@@ -57,6 +57,18 @@ TEST_P(VerdictThreshold, IsKeptBelowAndNamedAbove) {
   EXPECT_TRUE(verdict.text().starts_with("done, but ")) << verdict.text();
 }
 
+TEST(Verdict, HoldsWhatTheIterationsLeftAgainstTheAccuracy) {
+  RunBooks books = sound();
+  books.accuracy = 1e-6;
+  books.residual_part = 0.999e-6;
+  EXPECT_TRUE(judge(books).clean()) << judge(books).text();
+  books.residual_part = 1.001e-6;
+  const Verdict verdict = judge(books);
+  ASSERT_EQ(verdict.causes.size(), 1U) << verdict.text();
+  EXPECT_EQ(verdict.causes.front().name, "residual");
+  EXPECT_NE(verdict.text().find("lower fem.solver.tolerance"), std::string::npos);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Each, VerdictThreshold,
     ::testing::Values(
