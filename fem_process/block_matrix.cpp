@@ -56,21 +56,6 @@ namespace {
 /// Rows that a thread takes at a time.
 constexpr std::size_t kGrain = 256;
 
-/// A part of y = A x; `entry(b)` is block b, 3 × 3 or a number.
-template <class Entry>
-Eigen::VectorXd columns_product(const BlockPattern& pattern, const Eigen::VectorXd& x,
-                                const std::vector<int>& columns, const Entry& entry) {
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
-  for (int j : columns) {
-    const auto row = static_cast<std::size_t>(j);
-    const Eigen::Vector3d x_j = x.segment<3>(3 * j);
-    for (int b = pattern.row_start[row]; b < pattern.row_start[row + 1]; ++b) {
-      y.segment<3>(3 * pattern.column[static_cast<std::size_t>(b)]) += entry(b) * x_j;
-    }
-  }
-  return y;
-}
-
 /// Four lanes that begin with each row of a block meet x_j; the last row is read with the number
 /// before it, so that nothing behind the block is touched. Idle lanes are thrown away.
 TANDEM_INLINE void multiply_rows_body(const int* row_start, const int* column, const double* values,
@@ -158,10 +143,6 @@ void multiply_rows(const BlockPattern& pattern, const BlockValues& values, const
 
 Eigen::VectorXd multiply(const BlockPattern& pattern, const BlockValues& values,
                          const Eigen::VectorXd& x, ProductPart part, ThreadTeam* team) {
-  if (part.columns != nullptr) {
-    return columns_product(pattern, x, *part.columns,
-                           [&](int b) { return block(values, b).transpose(); });
-  }
   const auto rows = static_cast<std::size_t>(pattern.rows());
   // Kept between calls: fresh memory costs more than the arithmetic.
   static thread_local std::vector<Padded> in;
@@ -215,10 +196,6 @@ Eigen::MatrixXd multiply_columns(const BlockPattern& pattern, const BlockValues&
 
 Eigen::VectorXd multiply_scalar(const BlockPattern& pattern, const std::vector<double>& values,
                                 const Eigen::VectorXd& x, ProductPart part) {
-  if (part.columns != nullptr) {
-    return columns_product(pattern, x, *part.columns,
-                           [&](int b) { return values[static_cast<std::size_t>(b)]; });
-  }
   const auto rows = static_cast<std::size_t>(pattern.rows());
   static thread_local std::vector<Padded> in;
   static thread_local std::vector<Padded> out;

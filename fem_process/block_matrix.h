@@ -43,10 +43,9 @@ struct SubPattern {
 };
 [[nodiscard]] SubPattern sub_pattern(const BlockPattern& whole, const std::vector<int>& kept);
 
-/// The part of a product y = A x, A symmetric, that is wanted: x vanishes outside `columns`, or y
-/// is used at `rows` alone (elsewhere it is zero). Nodes in ascending order; null: all.
+/// The part of a product y = A x that is wanted: y is used at `rows` alone (elsewhere it is zero).
+/// Nodes in ascending order; null: all.
 struct ProductPart {
-  const std::vector<int>* columns = nullptr;
   const std::vector<int>* rows = nullptr;
 };
 
