@@ -239,11 +239,6 @@ TEST(BlockMatrix, PartsOfAProductEqualTheWhole) {
     for (int node : model.prescribed) {
       EXPECT_EQ(rows.segment<3>(3 * node), whole.segment<3>(3 * node));
     }
-    Eigen::VectorXd sparse = Eigen::VectorXd::Zero(x.size());
-    for (int node : model.prescribed) sparse.segment<3>(3 * node) = x.segment<3>(3 * node);
-    const Eigen::VectorXd columns =
-        multiply(model.pattern(), K, sparse, {.columns = &model.prescribed});
-    EXPECT_LT((columns - multiply(model.pattern(), K, sparse)).cwiseAbs().maxCoeff(), round_off);
   }
 }
 
