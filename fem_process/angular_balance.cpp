@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "fem_process/node_vectors.h"
+
 namespace tandem::fem {
 namespace {
-
-Eigen::Vector3d at(const Eigen::VectorXd& field, Eigen::Index row) { return field.segment<3>(row); }
 
 Eigen::Matrix3d cross_of(const Eigen::Vector3d& a) {
   Eigen::Matrix3d A;

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "fem_process/node_vectors.h"
 #include "fem_process/turn.h"
 
 namespace tandem::fem {
 namespace {
-
-Eigen::Vector3d at(const Eigen::VectorXd& field, Eigen::Index row) { return field.segment<3>(row); }
 
 /// ω × (ω × r).
 Eigen::Vector3d centripetal(const Eigen::Vector3d& omega, const Eigen::Vector3d& r) {

@@ -15,10 +15,6 @@ namespace {
 constexpr double kMostTurn_rad = 2.5;
 constexpr int kMostIterations = 50;
 
-Vector12 part(const Eigen::VectorXd& all, std::size_t k) {
-  return all.segment<12>(12 * static_cast<Eigen::Index>(k));
-}
-
 Eigen::Matrix3d rotation_of(const Motion& motion) { return motion.q_WP.toRotationMatrix(); }
 
 /// Rates of a set that moves with the port, as the velocities that a step solves for have them.

@@ -5,10 +5,6 @@
 namespace tandem::fem {
 namespace {
 
-Vector12 part(const Eigen::VectorXd& all, std::size_t k) {
-  return all.segment<12>(12 * static_cast<Eigen::Index>(k));
-}
-
 Vector12 turned(const Eigen::Vector3d& turn, Vector12 q) {
   for (int j = 0; j < 12; j += 3) {
     q.segment<3>(j) = turn.cross(Eigen::Vector3d(q.segment<3>(j)));

@@ -10,10 +10,6 @@ namespace {
 /// Numbers named in an error before it says "and n more".
 constexpr std::size_t kNamed = 10;
 
-std::string where(const SetName& set) {
-  return (set.place.file.empty() ? "fem" : set.place.text()) + ": ";
-}
-
 std::string list_of(const std::vector<std::int64_t>& numbers) {
   std::string text;
   for (std::size_t k = 0; k < numbers.size() && k < kNamed; ++k) {
@@ -27,7 +23,7 @@ void assign(const TetMesh& mesh, const std::vector<MaterialSection>& sections, s
             std::vector<int>& of_element) {
   const SetName& name = sections[s].set;
   const NodeSet& set = find_set(mesh, name);
-  require(!set.tets.empty(), where(name) + "set '" + name.name +
+  require(!set.tets.empty(), name.where() + "set '" + name.name +
                                  "' has no tetrahedra to give a material. Name a group of volumes "
                                  "(dimension 3) or an *ELSET.");
   std::vector<std::int64_t> taken;
@@ -40,7 +36,7 @@ void assign(const TetMesh& mesh, const std::vector<MaterialSection>& sections, s
     }
     material = static_cast<int>(s);
   }
-  require(taken.empty(), where(name) + std::to_string(taken.size()) + " element(s) of '" +
+  require(taken.empty(), name.where() + std::to_string(taken.size()) + " element(s) of '" +
                              name.name + "' have a material of '" +
                              sections[static_cast<std::size_t>(other)].set.name +
                              "' already: " + list_of(taken) +

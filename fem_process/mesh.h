@@ -65,6 +65,11 @@ struct MeshParams {
 struct SetName {
   std::string name;
   scenario::Place place{};
+
+  /// "file:line:column: ", the beginning of a message about it.
+  [[nodiscard]] std::string where() const {
+    return (place.file.empty() ? "fem" : place.text()) + ": ";
+  }
 };
 
 /// Fingerprint of a mesh file's bytes (FNV-1a, 16 hexadecimal digits); empty when it cannot be

@@ -24,10 +24,6 @@ Eigen::VectorXd stacked(const std::vector<Eigen::Vector3d>& points) {
 constexpr int kNobody = -1;
 constexpr int kGround = -2;  // a fixed set
 
-std::string where(const SetName& name) {
-  return (name.place.file.empty() ? "fem" : name.place.text()) + ": ";
-}
-
 std::string tag_of(const TetMesh& mesh, int node) {
   return "node " + std::to_string(mesh.node_tags[static_cast<std::size_t>(node)]);
 }
@@ -36,7 +32,7 @@ std::string tag_of(const TetMesh& mesh, int node) {
 std::vector<double> weights_of(const TetMesh& mesh, const PortSet& port, const NodeSet& set,
                                const Integrator& integrator) {
   const auto fail = [&](const std::string& what) {
-    throw Error(ErrorKind::Usage, where(port.set) + "port '" + port.name + "': the set '" +
+    throw Error(ErrorKind::Usage, port.set.where() + "port '" + port.name + "': the set '" +
                                       port.set.name + "' " + what);
   };
   // K alone, without the mass in the step matrix, is singular where only loose ports hold a body.
@@ -113,7 +109,7 @@ void Model::find_ports() {
       int& owner = owner_[static_cast<std::size_t>(node)];
       if (owner != kNobody) {
         throw Error(ErrorKind::Usage,
-                    where(port.set) + tag_of(mesh, node) + " belongs to the ports '" +
+                    port.set.where() + tag_of(mesh, node) + " belongs to the ports '" +
                         ports[static_cast<std::size_t>(owner)].name + "' and '" + port.name +
                         "'. Let every node follow one port: choose sets without "
                         "common nodes.");
@@ -135,12 +131,12 @@ void Model::refuse_nothing_free(const std::vector<SetName>& sets) const {
       "Name the part of its surface that is meant, or make the part a body of mbs if it need not "
       "deform.";
   for (const PortSet& port : params.ports) {
-    require(!holds_all(port.set), where(port.set) + "the set '" + port.set.name + "' of port '" +
+    require(!holds_all(port.set), port.set.where() + "the set '" + port.set.name + "' of port '" +
                                       port.name + "' holds every node of " + mesh.file.string() +
                                       ": nothing could deform. " + remedy);
   }
   for (const SetName& name : sets) {
-    require(!holds_all(name), where(name) + "the fixed set '" + name.name +
+    require(!holds_all(name), name.where() + "the fixed set '" + name.name +
                                   "' holds every node of " + mesh.file.string() +
                                   ": nothing could move. " + remedy);
   }
@@ -157,7 +153,7 @@ void Model::hold(const std::vector<SetName>& sets) {
       int& owner = owners[static_cast<std::size_t>(node)];
       if (owner == kGround) continue;  // held by another fixed set already
       if (owner != kNobody) {
-        throw Error(ErrorKind::Usage, where(name) + tag_of(mesh, node) + " is in the fixed set '" +
+        throw Error(ErrorKind::Usage, name.where() + tag_of(mesh, node) + " is in the fixed set '" +
                                           name.name + "' and in the port '" +
                                           ports[static_cast<std::size_t>(owner)].name +
                                           "'. Choose sets without common nodes.");

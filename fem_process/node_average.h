@@ -8,6 +8,11 @@ namespace tandem::fem {
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
+/// The k-th Vector12 of many.
+[[nodiscard]] inline Vector12 part(const Eigen::VectorXd& all, std::size_t k) {
+  return all.segment<12>(12 * static_cast<Eigen::Index>(k));
+}
+
 /// The same 3×3 matrix on each of the four 3-vectors of a Vector12.
 [[nodiscard]] Matrix12 four_times(const Eigen::Matrix3d& A);
 

@@ -7,6 +7,11 @@
 
 namespace tandem::fem {
 
+/// The 3-vector that begins at a row of a field.
+[[nodiscard]] inline Eigen::Vector3d at(const Eigen::VectorXd& field, Eigen::Index row) {
+  return field.segment<3>(row);
+}
+
 /// The 3-vectors of some nodes out of a vector over all nodes, in the order of `nodes`.
 [[nodiscard]] inline Eigen::VectorXd gather(const Eigen::VectorXd& whole,
                                             const std::vector<int>& nodes) {

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kWidth = 8;
 /// Nodes that a thread takes, and whose products are summed, at a time.
-constexpr std::size_t kGroup = 256;
+constexpr std::size_t kColumnGroup = 256;
 
 /// Unknowns [begin, end).
 template <class Registers>
@@ -106,9 +106,9 @@ TANDEM_REGISTER_FUNCTION(jacobi, jacobi_body,
 
 template <class Work>
 PcgColumns::Eight PcgColumns::sum_groups(ThreadTeam& team, std::size_t nodes, const Work& work) {
-  sums_.resize(kWidth * ((nodes + kGroup - 1) / kGroup));
-  team.run_ranges(nodes, kGroup, [&](std::size_t begin, std::size_t end) {
-    work(begin, end, sums_.data() + kWidth * (begin / kGroup));
+  sums_.resize(kWidth * ((nodes + kColumnGroup - 1) / kColumnGroup));
+  team.run_ranges(nodes, kColumnGroup, [&](std::size_t begin, std::size_t end) {
+    work(begin, end, sums_.data() + kWidth * (begin / kColumnGroup));
   });
   Eight total = Eight::Zero();
   for (std::size_t k = 0; k < sums_.size(); k += kWidth) {
@@ -147,7 +147,7 @@ SolveReport PcgColumns::solve(const PcgSystem& system, const Eight& limits, int 
     const Eight rz_next = precondition(system, residual, columns, r);
     const Eight beta = active.select(rz_next / rz, Eight::Zero());
     rz = active.select(rz_next, Eight::Ones());
-    system.team.run_ranges(nodes, kGroup, [&](std::size_t begin, std::size_t end) {
+    system.team.run_ranges(nodes, kColumnGroup, [&](std::size_t begin, std::size_t end) {
       turn(beta.data(), z_.data(), p_.data(), 3 * begin, 3 * end);
     });
     multiply_eight(system.pattern, system.A, p_, Ap_, system.team);

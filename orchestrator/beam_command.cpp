@@ -87,8 +87,9 @@ FemOutcome run_static(const scenario::Node& root, const fem::StaticParams& param
     if (!found.found) {
       book(fmt::format(
                "fem: no equilibrium at load factor {:g} after {} iterations, residual {:.3g} "
-               "N. Raise fem.analysis.load_steps, or hold the chain "
-               "(fem.ancf.chain.left_support).",
+               "N. Raise fem.analysis.load_steps, or hold the chain where it may still move: free "
+               "ends (fem.ancf.chain.left_support), or hinged ones that leave a straight chain "
+               "free to spin about its line (clamp one of them).",
                factor, found.iterations, found.residual_N),
            outcome);
       break;

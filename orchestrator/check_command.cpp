@@ -24,6 +24,7 @@
 #include "orchestrator/nodal_scenario.h"
 #include "orchestrator/scenario_options.h"
 #include "orchestrator/scenario_table.h"
+#include "orchestrator/warnings/material_warnings.h"
 #include "orchestrator/warnings/warnings.h"
 
 namespace tandem::orchestrator {
@@ -125,7 +126,8 @@ std::string check_flexible(const std::string& file, const scenario::Node& root) 
   if (root.section("fem").text("model") == "ancf") {
     const fem::ancf::BeamBody beams(fem::ancf::read_beam_params(root));
     return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,
-                       describe(beams.params(), beams.system()));
+                       describe(beams.params(), beams.system())) +
+           lines_of(implausible_chain_material(root));
   }
   const fem::Model model(fem::read_params(root));
   return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "protocol/schemes/evaluation.h"
@@ -31,16 +32,21 @@ Eigen::MatrixXd coupled_matrix(const InterfaceJacobian& mbs, const InterfaceJaco
   return matrix;
 }
 
-MacroStepEnd not_converged(MacroStepEnd end, double round_off_N) {
+std::string remedy_for(double residual_N, double round_off_N, double solver_N) {
+  if (auto remedy = solver_remedy(residual_N, round_off_N, solver_N)) return std::move(*remedy);
+  if (looks_like_round_off(residual_N, round_off_N)) {
+    return fmt::format(
+        "It wavers about the round-off of the port motions, {:.3g} N of wrench, without repeating: "
+        "move the model nearer to the origin, or lower run.macro_step_s.",
+        round_off_N);
+  }
+  return "A joint limit or contact switches within the step: lower run.macro_step_s.";
+}
+
+MacroStepEnd not_converged(MacroStepEnd end, double round_off_N, double solver_N) {
   end.outcome = Outcome::NotConverged;
-  end.message = fmt::format(
-      "monolithic: ‖r‖ = {:.3g} N after {} iterations. {}", end.residual_N, end.iterations,
-      looks_like_round_off(end.residual_N, round_off_N)
-          ? fmt::format("It wavers about the round-off of the port motions, {:.3g} N of wrench, "
-                        "without repeating: move the model nearer to the origin, or lower "
-                        "run.macro_step_s.",
-                        round_off_N)
-          : "A joint limit or contact switches within the step: lower run.macro_step_s.");
+  end.message = fmt::format("monolithic: ‖r‖ = {:.3g} N after {} iterations. {}", end.residual_N,
+                            end.iterations, remedy_for(end.residual_N, round_off_N, solver_N));
   return end;
 }
 
@@ -84,7 +90,8 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
     const bool ended = end.residual_N == 0.0 || (small && !falls) || wavers;
     if (ended && !evaluation.apart) return end;
     if (k == kMostIterations) {
-      return not_converged(std::move(end), std::max(round_off_N, pose_N));
+      return not_converged(std::move(end), std::max(round_off_N, pose_N),
+                           evaluation.output_error_N);
     }
     if (path.turns_back(end.residual_N)) {
       linearize = path.linearise();

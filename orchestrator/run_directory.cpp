@@ -71,13 +71,13 @@ class RunDirectory::Claim {
       : fd_(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
     // A file system without locks keeps nobody out.
     if (fd_ < 0 || flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
-    close(fd_);
+    ::close(fd_);
     throw Error(ErrorKind::Usage, fmt::format("'{}': another command writes into this folder now. "
                                               "Wait for its end, or choose another one.",
                                               path.string()));
   }
   ~Claim() {
-    if (fd_ >= 0) close(fd_);
+    if (fd_ >= 0) ::close(fd_);
   }
   Claim(const Claim&) = delete;
   Claim& operator=(const Claim&) = delete;

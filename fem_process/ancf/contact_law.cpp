@@ -69,8 +69,13 @@ bool traction(const ContactParams& params, const ContactPoint& point, bool deriv
   const Eigen::Vector3d& n = point.normal;
   const Damping c = damping_at(point.depth, params.damping_N_s_per_m3, params.damping_depth_m);
   const double leaving = n.dot(point.approach);  // −d'
-  const double p = params.stiffness_N_per_m3 * point.depth - c.value * leaving;
-  if (!(p > 0.0)) return false;
+  const double elastic = params.stiffness_N_per_m3 * point.depth;
+  const double p = elastic - c.value * leaving;
+  if (!(p > 0.0)) {
+    // Leaves faster than the damper lets the spring follow: the damper takes what the spring gives.
+    out = {.depth = point.depth, .stored = 0.5 * elastic * point.depth, .loss = elastic * leaving};
+    return true;
+  }
   out.pressure = p;
   out.depth = point.depth;
   out.force = p * n;
@@ -146,9 +151,7 @@ bool tooth_force(const Teeth& teeth, double base_radius_m, const Motion& wheel,
   const double rate = side * along.dot(w);
   const Damping c = damping_at(depth, teeth.damping_N_s_per_m, teeth.damping_depth_m);
   const double push = teeth.stiffness_N_per_m * depth + c.value * rate;
-  if (push <= 0.0) return false;
-  const Eigen::Matrix3d direction = along * along.transpose();
-  out.force = -side * engaged * push * along;
+  out = {};
   const double stored_unit_J = 0.5 * teeth.stiffness_N_per_m * depth * depth;
   out.stored_J = engaged * stored_unit_J;
   // The force is tangential: it does not do the work that the energy of its depth changes by.
@@ -157,7 +160,10 @@ bool tooth_force(const Teeth& teeth, double base_radius_m, const Motion& wheel,
   const double fading = engaged < 1.0 ? -leaving / teeth.pin_radius_m : 0.0;
   const double stored_W =
       engaged * teeth.stiffness_N_per_m * depth * deeper + fading * stored_unit_J;
-  out.loss_W = engaged * push * rate - stored_W;
+  out.loss_W = engaged * std::max(push, 0.0) * rate - stored_W;
+  if (push <= 0.0) return true;
+  const Eigen::Matrix3d direction = along * along.transpose();
+  out.force = -side * engaged * push * along;
   out.by_position = -engaged * (teeth.stiffness_N_per_m + c.by_depth * rate) * direction;
   out.by_velocity = -engaged * c.value * direction;
   return true;

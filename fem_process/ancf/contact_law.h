@@ -45,6 +45,7 @@ struct ContactPoint {
   Eigen::Vector3d slip = Eigen::Vector3d::Zero();      ///< w (m/s)
   double depth = 0.0;                                  ///< d (m)
 };
+/// A point that leaves so fast that p = 0 keeps its ½ k d², which the damper takes as it leaves.
 /// False: no contact. Derivatives are filled when `derivatives` is set.
 bool traction(const ContactParams& params, const ContactPoint& point, bool derivatives,
               Traction& out);

@@ -13,7 +13,7 @@ namespace tandem::orchestrator {
 namespace {
 
 constexpr double kReach = 100.0;  // recommended steps lie between H/100 and 100 H
-constexpr double kFewestSteps = 20.0;
+constexpr double kFewestStepsOfRun = 20.0;
 /// Parts of the wall time after which the search for the explicit limit and the trial runs end.
 constexpr double kLimitPart = 0.2;
 constexpr double kTrialPart = 0.5;
@@ -52,7 +52,7 @@ std::vector<Contender> measured_contenders(const Advice& advice, double length_s
   const Trials& trials = advice.trials;
   for (const TrialRow& row : trials.rows) {
     if (!row.numbers.solved) continue;
-    double longest_s = std::min(kReach * trials.step_s, length_s / kFewestSteps);
+    double longest_s = std::min(kReach * trials.step_s, length_s / kFewestStepsOfRun);
     if (row.candidate.scheme == "explicit_serial") {
       // Half the limit: errors of the wrench must not only stay but die out.
       longest_s = std::min(longest_s, 0.5 * advice.limit.stable_s);

@@ -85,6 +85,8 @@ ordered_json check_json(const StepCheck& check) {
                               {"turn_rad_per_step", trial.turn_rad},
                               {"elastic_peak_J", trial.elastic_peak_J},
                               {"elastic_peak_at_half_step_J", trial.elastic_peak_half_J},
+                              {"wrench_peak_N", trial.wrench_peak_N},
+                              {"wrench_peak_at_half_step_N", trial.wrench_peak_half_N},
                               {"port_change", known(trial.port_change)},
                               {"error", known(trial.error)},
                               {"objections", texts(trial.objections)},

@@ -10,13 +10,6 @@
 namespace tandem::orchestrator {
 namespace {
 
-/// Inner tolerance over the coupling's: what the solver leaves must not keep the coupling from
-/// converging.
-constexpr double kInnerPart = 0.1;
-constexpr double kFinestInner = 1e-13;  // what PCG reaches in double precision
-/// Schemes that do not iterate have no tolerance to follow: far below a step's own error.
-constexpr double kExplicitInner = 1e-8;
-
 /// Whether the flexible side has no integrator to choose.
 bool one_integrator(const scenario::Node& fem) {
   return fem.text("model") == "ancf" || fem.text("coupling") == "nodal" ||
@@ -28,21 +21,13 @@ bool has_linear_solver(const scenario::Node& fem) {
          fem.text("formulation") != "craig_bampton";
 }
 
-double inner_tolerance(const CouplingParams& coupling) {
-  const bool iterated =
-      coupling.scheme == SchemeKind::Implicit || coupling.scheme == SchemeKind::InterfaceNewton;
-  const double outer = iterated ? coupling.relative_tolerance : kExplicitInner / kInnerPart;
-  return std::max(kFinestInner, kInnerPart * outer);
-}
-
 /// The other linear solver than the one that the model has.
 SolverChange other_solver(const Model& model) {
   const scenario::Node solver = model.scenario.root.section("fem").section("solver");
   // As a whole: keys of PCG alone are refused beside another kind.
   if (solver.text("kind") == "pcg") return {"CHOLMOD", {"fem.solver={kind: cholmod}"}};
-  return {"PCG",
-          {"fem.solver.kind=pcg",
-           fmt::format("fem.solver.tolerance={:g}", inner_tolerance(model.coupling))}};
+  // Its tolerance follows from run.accuracy.
+  return {"PCG", {"fem.solver.kind=pcg"}};
 }
 
 /// In place of the whole section where it may hold keys of another integrator alone, which are

@@ -43,7 +43,8 @@ struct Prospect {
 
 /// What speaks against a step, from a run with it: a value above what is allowed.
 struct Objection {
-  std::string name;  ///< "not_solved", "accuracy", "elastic_peak", or a cause of the verdict
+  std::string
+      name;  ///< "not_solved", "accuracy", "elastic_peak", "wrench_peak", or a cause of the verdict
   double value = 0.0;
   double limit = 0.0;
   double power = 1.0;  ///< the value falls with H to this power

@@ -81,10 +81,11 @@ void explain_recommended(const StepTrial& trial, double length_s, Advice& advice
   if (advice.check.stands) {
     advice.reasons.push_back(fmt::format(
         "{} with H = {:g} s: a run over {:g} s is solved; nothing turns by more than {:.2g} rad "
-        "per step, and half the step changes the port motions by {:.2g} of their travel and the "
-        "peak of the flexible body's elastic energy by {:.2g} of it",
+        "per step, and half the step changes the port motions by {:.2g} of their travel, the "
+        "peak of the flexible body's elastic energy by {:.2g} of it and the largest wrench by "
+        "{:.2g}",
         trial.name, trial.step_s, trial.simulated_s, trial.turn_rad,
-        std::max(0.0, trial.port_change), trial.elastic_change()));
+        std::max(0.0, trial.port_change), trial.elastic_change(), trial.wrench_change()));
   }
   for (const Objection& told : trial.told) {
     advice.undecided.push_back(

@@ -33,7 +33,10 @@ OwnRun run_own(const LoadTrial& load, const Model& model, const std::vector<Port
     StepTrial peaks;
     peaks.elastic_peak_J = peak_J;
     peaks.elastic_peak_half_J = recommended.elastic_peak_half_J;
+    peaks.wrench_peak_N = largest_wrench_N(run.history, ports, recommended.simulated_s);
+    peaks.wrench_peak_half_N = recommended.wrench_peak_half_N;
     if (peaks.elastic_change() > kMostElasticChange) objections.push_back({.name = "elastic_peak"});
+    if (peaks.wrench_change() > kMostWrenchChange) objections.push_back({.name = "wrench_peak"});
   }
   own.standing = {.whole = run.status == "done" && own.error >= 0.0,
                   .wall_per_s = own.wall_per_s,

@@ -15,7 +15,7 @@
 namespace tandem::orchestrator {
 namespace {
 
-constexpr double kFewestSteps = 20.0, kMostSteps = 60.0;
+constexpr double kFewestSolvedSteps = 20.0, kMostSteps = 60.0;
 constexpr double kRepetitions = 2.0;
 constexpr double kSaves = 0.9;   // part of the wall time without the change
 constexpr double kMoves = 0.01;  // part of the wanted error
@@ -106,7 +106,7 @@ std::vector<SolverTrial> try_solvers(const LoadTrial& load, const std::vector<Po
       (question.deadline_s - now_s()) / (runs * std::max(1e-9, question.wall_per_step_s));
   const double asked = std::round(question.length_s / question.step_s);
   const double steps = std::floor(std::min({kMostSteps, asked, affordable}));
-  if (ways.empty() || steps < std::min(kFewestSteps, asked)) return {};
+  if (ways.empty() || steps < std::min(kFewestSolvedSteps, asked)) return {};
   Way without{.name = "without", .settings = {}, .history = {}};
   for (int repetition = 1; repetition <= kRepetitions; ++repetition) {
     run_once(load, question, steps, repetition, without);

@@ -16,7 +16,7 @@ constexpr int kMostTrials = 30;
 /// What a step takes more than was foreseen, once a trial has not come to its end.
 constexpr double kSlower = 4.0;
 /// Fewer macro steps than this say nothing of a run.
-constexpr double kFewestSteps = 20.0;
+constexpr double kFewestCheckedSteps = 20.0;
 /// Macro steps of a trial in those of its run with the step: that one, and half the step.
 constexpr double kRuns = 3.0;
 /// Part of the wall time that is left which one trial may take, and the choice of a solver.
@@ -74,7 +74,7 @@ class Check {
     const double affordable =
         std::floor(allowed_s / (kRuns * std::max(1e-9, contender.wall_per_step_s)));
     const double steps = std::min(asked, affordable);
-    if (steps < std::min(kFewestSteps, asked)) return false;
+    if (steps < std::min(kFewestCheckedSteps, asked)) return false;
     StepTrial trial =
         try_or_refuse({.name = contender.candidate.name(),
                        .settings = joined(contender.candidate.settings, *solver_settings_[i]),

@@ -13,7 +13,7 @@ namespace tandem::orchestrator {
 namespace {
 
 /// A half that was broken off before is no run to compare with.
-constexpr double kFewestSteps = 20.0;
+constexpr double kFewestHalvedSteps = 20.0;
 
 /// What comes from the model and not from its steps.
 bool of_the_model(const std::string& cause) { return cause == "elastic_turn"; }
@@ -28,6 +28,11 @@ Objection objection_of(const nlohmann::ordered_json& cause, double order) {
           .power = name == "turn_per_step" ? 1.0 : std::max(1.0, order),
           .text = cause.at("text").get<std::string>(),
           .remedy = cause.at("remedy").get<std::string>()};
+}
+
+/// 0 where the run with half the step has nothing to compare with.
+double change_of(double peak, double half_peak) {
+  return half_peak == 0.0 ? 0.0 : std::abs(peak - half_peak) / std::max(peak, half_peak);
 }
 
 void compare(const JudgedRun& run, JudgedRun& half, const std::vector<PortInfo>& ports,
@@ -45,6 +50,18 @@ void compare(const JudgedRun& run, JudgedRun& half, const std::vector<PortInfo>&
                              "is {:.3g} J, with half the step {:.3g} J",
                              trial.elastic_peak_J, trial.elastic_peak_half_J),
          .remedy = ""});
+  }
+  trial.wrench_peak_N = largest_wrench_N(run.history, ports, trial.simulated_s);
+  trial.wrench_peak_half_N = largest_wrench_N(half.history, ports, trial.simulated_s);
+  if (trial.wrench_change() > kMostWrenchChange) {
+    trial.objections.push_back({.name = "wrench_peak",
+                                .value = trial.wrench_change(),
+                                .limit = kMostWrenchChange,
+                                .power = question.order,
+                                .text = fmt::format("the largest wrench at the ports is {:.3g} N, "
+                                                    "with half the step {:.3g} N",
+                                                    trial.wrench_peak_N, trial.wrench_peak_half_N),
+                                .remedy = ""});
   }
   const double travel_m = largest_travel_m(half.history, ports);
   trial.port_change =
@@ -96,11 +113,19 @@ JudgedRun judged_run(const Model& model, const std::filesystem::path& folder,
   return run;
 }
 
-double StepTrial::elastic_change() const {
-  const double larger = std::max(elastic_peak_J, elastic_peak_half_J);
-  if (elastic_peak_half_J == 0.0 || larger == 0.0) return 0.0;
-  return std::abs(elastic_peak_J - elastic_peak_half_J) / larger;
+double largest_wrench_N(const History& history, const std::vector<PortInfo>& ports,
+                        double until_s) {
+  double largest = 0.0;
+  for (const AcceptedInterface& at : history) {
+    if (to_seconds(at.time) > until_s * (1.0 + 1e-9)) break;
+    largest = std::max(largest, wrench_norm_N(at.wrenches, ports));
+  }
+  return largest;
 }
+
+double StepTrial::elastic_change() const { return change_of(elastic_peak_J, elastic_peak_half_J); }
+
+double StepTrial::wrench_change() const { return change_of(wrench_peak_N, wrench_peak_half_N); }
 
 std::vector<Objection> objections_to(const JudgedRun& run, double order) {
   if (run.status != "done") {
@@ -150,7 +175,7 @@ StepTrial try_step(const LoadTrial& load, const std::vector<PortInfo>& ports,
   JudgedRun half = run(0.5 * question.step_s);
   trial.wall_s += half.wall_s;
   if (half.status == kOutOfTime) {
-    if (half.simulated_s < std::min(kFewestSteps * trial.step_s, 0.5 * whole.simulated_s)) {
+    if (half.simulated_s < std::min(kFewestHalvedSteps * trial.step_s, 0.5 * whole.simulated_s)) {
       trial.status = kOutOfTime;
       return trial;
     }

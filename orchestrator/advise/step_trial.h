@@ -13,6 +13,8 @@ namespace tandem::orchestrator {
 
 /// Part of the elastic energy's peak that half the step may change.
 inline constexpr double kMostElasticChange = 0.2;
+/// Part of the largest wrench at the ports that half the step may change.
+inline constexpr double kMostWrenchChange = 0.2;
 
 /// A run in process and what its books say.
 struct JudgedRun {
@@ -45,6 +47,7 @@ struct StepTrial {
   std::string status;        ///< of the run with the step
   double turn_rad = 0.0;
   double elastic_peak_J = 0.0, elastic_peak_half_J = 0.0;
+  double wrench_peak_N = 0.0, wrench_peak_half_N = 0.0;  ///< of ‖Λ‖
   /// Largest difference of the port motions, over their travel; below 0: there is no other run.
   double port_change = -1.0;
   /// Of the port motion over its travel, from that difference and the order; below 0: not known.
@@ -56,7 +59,13 @@ struct StepTrial {
 
   /// Part of the elastic energy's peak that half the step changes; 0 where there is none.
   [[nodiscard]] double elastic_change() const;
+  /// The same of the largest wrench.
+  [[nodiscard]] double wrench_change() const;
 };
+
+/// The largest ‖Λ‖ up to then (N).
+[[nodiscard]] double largest_wrench_N(const History& history, const std::vector<PortInfo>& ports,
+                                      double until_s);
 
 struct StepQuestion {
   std::string name;
@@ -74,8 +83,9 @@ struct StepQuestion {
 /// Runs the step, and half of it unless the first run was objected to. What speaks against it: that
 /// it is not solved, a cause of the verdict, the peak of the flexible body's elastic energy, which
 /// its own motion sets and not that of the ports, where half the step changes it by more than a
-/// fifth, and an error of the ports above the wanted one. A half that is broken off at the deadline
-/// is compared as far as it goes; a run with the step that is broken off has the status kOutOfTime.
+/// fifth, the largest wrench likewise, and an error of the ports above the wanted one. A half that
+/// is broken off at the deadline is compared as far as it goes; a run with the step that is broken
+/// off has the status kOutOfTime.
 [[nodiscard]] StepTrial try_step(const LoadTrial& load, const std::vector<PortInfo>& ports,
                                  const StepQuestion& question);
 

@@ -19,7 +19,7 @@ constexpr double kGaugeSteps = 10.0;
 constexpr double kReferenceCost = 3.0;
 /// Steps of all candidates together, in those of a trial run: a step and half of it, of five.
 constexpr double kCandidateRuns = 15.0;
-constexpr double kFewestSteps = 10.0;
+constexpr double kFewestTrialSteps = 10.0;
 /// Errors of two converged schemes that are as near are the error of their integrators.
 constexpr double kSameError = 0.01;
 
@@ -75,7 +75,7 @@ class TrialRuns {
     const double asked = std::min(static_cast<double>(options_.steps),
                                   std::round(to_seconds(model_.run.duration) / step_s));
     const double steps = std::floor(std::min(asked, affordable));
-    if (steps < std::min(kFewestSteps, asked)) {
+    if (steps < std::min(kFewestTrialSteps, asked)) {
       trials_.undecided.push_back(fmt::format(
           "what the candidates' errors are: a macro step takes {:.2g} s of wall time, too much for "
           "trial runs against a fine one. Raise --most-s.",

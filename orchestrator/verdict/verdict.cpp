@@ -157,7 +157,7 @@ void judge_model(const RunBooks& books, std::vector<Cause>& causes) {
          .text = fmt::format("joint '{}' came apart by up to {:.3g} m, {} of its arm",
                              books.open_joint, books.joint_gap_m, percent(books.joint_gap_part)),
          .remedy = "lower mbs.micro_step_s or run.macro_step_s (half the step, a quarter of the "
-                   "gap), or raise mbs.erp."});
+                   "gap), or raise mbs.erp; a joint made soft by mbs.cfm gives way."});
   }
   if (exceeds(books.elastic_turn_rad, Limits::kElasticTurn_rad)) {
     causes.push_back(

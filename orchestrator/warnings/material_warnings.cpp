@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "fem_process/ancf/ancf_keys.h"
+
 namespace tandem::orchestrator {
 namespace {
 
@@ -16,6 +18,7 @@ constexpr double kSlowest_m_per_s = 1.0;
 constexpr double kFastest_m_per_s = 2e4;
 constexpr double kStone_kg_per_m3 = 2000.0;
 constexpr double kSlowestStone_m_per_s = 30.0;
+constexpr double kMostPoissonLocking = 1.1;
 
 bool plausible_density(double density) {
   return density >= kLightest_kg_per_m3 && density <= kDensest_kg_per_m3;
@@ -68,12 +71,10 @@ const Unit* unit_of_modulus(double modulus, double density) {
   return nullptr;
 }
 
-std::optional<Finding> implausible_modulus(const scenario::Node& node,
-                                           const fem::Material& material) {
-  const double density = material.density_kg_per_m3;
-  const double speed = std::sqrt(fem::squared_wave_speed(material));
+std::optional<Finding> implausible_modulus(const scenario::Node& node, double modulus_Pa,
+                                           double density) {
+  const double speed = std::sqrt(modulus_Pa / density);
   if (!plausible_density(density) || plausible_speed(speed, density)) return std::nullopt;
-  const double modulus_Pa = density * speed * speed;
   std::string text = fmt::format(
       "with {:g} Pa and {:g} kg/m³ waves would run along a rod at {:.3g} m/s, as in no solid. ",
       modulus_Pa, density, speed);
@@ -112,8 +113,35 @@ std::vector<Finding> implausible_densities(const scenario::Node& root, const fem
 std::vector<Finding> implausible_moduli(const scenario::Node& root, const fem::Model& model) {
   std::vector<Finding> findings;
   for_materials(root, model, [&](const scenario::Node& node, const fem::Material& material) {
-    if (auto found = implausible_modulus(node, material)) findings.push_back(std::move(*found));
+    const double density = material.density_kg_per_m3;
+    auto found = implausible_modulus(node, fem::squared_wave_speed(material) * density, density);
+    if (found) findings.push_back(std::move(*found));
   });
+  return findings;
+}
+
+std::vector<Finding> implausible_chain_material(const scenario::Node& root) {
+  const scenario::Node ancf = root.section("fem").section("ancf");
+  const scenario::Node node = ancf.section("material");
+  const fem::ancf::BeamMaterial material = fem::ancf::read_beam_params(root).model.material;
+  std::vector<Finding> findings;
+  if (auto found = implausible_density(node, material.density_kg_per_m3)) {
+    findings.push_back(std::move(*found));
+  }
+  if (auto found = implausible_modulus(node, material.young_Pa(), material.density_kg_per_m3)) {
+    findings.push_back(std::move(*found));
+  }
+  const double nu = material.poisson();
+  const double times = (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+  const scenario::Node integration = ancf.section("integration");
+  if (integration.text("kind") == "full" && times > kMostPoissonLocking) {
+    findings.push_back(finding_at(
+        integration, "kind", "poisson_locking",
+        fmt::format("full integration bends {:.3g} times as stiffly as the beam, since no section "
+                    "gets wider or narrower across its height (Poisson's ratio {:.4g}). Set "
+                    "fem.ancf.integration.kind: axis_d0 where the chain bends.",
+                    times, nu)));
+  }
   return findings;
 }
 

@@ -17,4 +17,8 @@ namespace tandem::orchestrator {
 [[nodiscard]] std::vector<Finding> implausible_moduli(const scenario::Node& root,
                                                       const fem::Model& model);
 
+/// The same of the material of a chain; and where its integration locks: full integration bends
+/// with the constrained modulus, (1 − ν)/((1 + ν)(1 − 2ν)) times as stiffly as a beam.
+[[nodiscard]] std::vector<Finding> implausible_chain_material(const scenario::Node& root);
+
 }  // namespace tandem::orchestrator

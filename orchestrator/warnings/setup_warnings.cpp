@@ -98,4 +98,23 @@ std::optional<Finding> turn_per_step(const Model& model, const mbs::Params& para
                   H_s * VerdictLimits::kTurn_rad / turn_rad, VerdictLimits::kTurn_rad));
 }
 
+std::vector<Finding> coarse_tolerances(const scenario::Node& root) {
+  const double accuracy = root.section("run").real("accuracy");
+  std::vector<Finding> findings;
+  const auto judge = [&](const scenario::Node& node, const std::string& key) {
+    if (!node.has(key) || node.real(key) <= accuracy) return;
+    findings.push_back(
+        finding_at(node, key, "coarse_tolerance",
+                   fmt::format("{:g} leaves more than run.accuracy, {:g}, asks for. Leave it out "
+                               "(it follows from run.accuracy), or raise run.accuracy.",
+                               node.real(key), accuracy)));
+  };
+  judge(root.section("coupling"), "relative_tolerance");
+  const scenario::Node fem = root.section("fem");
+  const bool solves = fem.text("model") != "ancf" && fem.text("formulation") != "craig_bampton";
+  if (solves && fem.section("solver").text("kind") == "pcg")
+    judge(fem.section("solver"), "tolerance");
+  return findings;
+}
+
 }  // namespace tandem::orchestrator

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "mbs_process/params.h"
 #include "orchestrator/model.h"
 #include "orchestrator/warnings/finding.h"
@@ -16,5 +19,9 @@ namespace tandem::orchestrator {
 /// The fastest turning that motors prescribe and initial velocities give, times H, where that is
 /// above VerdictLimits::kTurn_rad. Not for adaptive steps, which find their own.
 [[nodiscard]] std::optional<Finding> turn_per_step(const Model& model, const mbs::Params& params);
+
+/// Tolerances set by hand that are coarser than run.accuracy: what they leave in the wrench is more
+/// than the run is asked for.
+[[nodiscard]] std::vector<Finding> coarse_tolerances(const scenario::Node& root);
 
 }  // namespace tandem::orchestrator

@@ -39,7 +39,10 @@ std::vector<Finding> warnings_of(const Model& model, const mbs::Params& params,
     all = warnings_of(root, *body);
     add(far_ports(root, *body, origins), all);
     add(unstable_verlet(model, params, *body), all);
+  } else if (root.section("fem").text("model") == "ancf") {
+    add(implausible_chain_material(root), all);
   }
+  add(coarse_tolerances(root), all);
   add(gravity_on_one_side(root), all);
   add(orders_differ(root), all);
   add(turn_per_step(model, params), all);

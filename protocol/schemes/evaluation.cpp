@@ -1,5 +1,7 @@
 #include "protocol/schemes/evaluation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <optional>
@@ -191,6 +193,15 @@ double pose_round_off_N(SimTime H, const MotionSet& motions, const InterfaceJaco
 
 bool looks_like_round_off(double residual_N, double round_off_N) {
   return residual_N <= 1e3 * round_off_N;
+}
+
+std::optional<std::string> solver_remedy(double residual_N, double round_off_N, double solver_N) {
+  if (solver_N <= round_off_N || !looks_like_round_off(residual_N, solver_N)) return std::nullopt;
+  return fmt::format(
+      "The flexible side's own solver leaves up to {:.3g} N in the wrench: lower "
+      "fem.solver.tolerance, or raise coupling.relative_tolerance (left out, both follow from "
+      "run.accuracy).",
+      solver_N);
 }
 
 }  // namespace tandem

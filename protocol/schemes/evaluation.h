@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "protocol/schemes/scheme.h"
@@ -92,5 +94,9 @@ void roll_back(MbsSide& mbs, FemSide& fem);
 /// Whether a residual that was not brought below its limit looks like round-off of that size: then
 /// no shorter step and no further iteration helps, but a tolerance above it.
 [[nodiscard]] bool looks_like_round_off(double residual_N, double round_off_N);
+/// What to say where a residual is rather what the flexible side's own solver leaves in the wrench
+/// (`solver_N`) than round-off.
+[[nodiscard]] std::optional<std::string> solver_remedy(double residual_N, double round_off_N,
+                                                       double solver_N);
 
 }  // namespace tandem

@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/newton_path.h"
@@ -21,13 +23,7 @@ constexpr double kFast = 0.1;
 constexpr double kLarge = 1e-2;
 
 std::string remedy_for(double residual_N, double round_off_N, double solver_N) {
-  if (solver_N > round_off_N && looks_like_round_off(residual_N, solver_N)) {
-    return fmt::format(
-        "The flexible side's own solver leaves up to {:.3g} N in the wrench: lower "
-        "fem.solver.tolerance, or raise coupling.relative_tolerance (left out, both follow from "
-        "run.accuracy).",
-        solver_N);
-  }
+  if (auto remedy = solver_remedy(residual_N, round_off_N, solver_N)) return std::move(*remedy);
   if (looks_like_round_off(residual_N, round_off_N)) {
     return fmt::format(
         "The rounding of the port motions makes {:.3g} N of the wrench, and what is left looks "

@@ -11,9 +11,9 @@
 namespace tandem {
 namespace {
 
-constexpr double kTolerance = 1e-12;
-constexpr std::int32_t kMostEvaluations = 30;
-constexpr std::int32_t kPatience = 4;
+constexpr double kStraightTolerance = 1e-12;
+constexpr std::int32_t kMostPasses = 30;
+constexpr std::int32_t kPassesWithoutGain = 4;
 
 /// Rows of the twists in a Jacobian with 12 rows per port.
 Eigen::MatrixXd twist_rows(const Eigen::MatrixXd& jacobian) {
@@ -36,7 +36,7 @@ ImpedanceEnd PortImpedance::advance(SimTime H, const WrenchSet& begin, const Eig
   const auto norm_N = [this](const Eigen::VectorXd& x) {
     return wrench_norm_N(unstack_wrenches(x), ports_);
   };
-  ResidualFloor floor(kPatience, 0.0);
+  ResidualFloor floor(kPassesWithoutGain, 0.0);
   floor.begin_step(wrench_norm_N(begin, ports_));
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) mbs.rollback();
@@ -56,9 +56,9 @@ ImpedanceEnd PortImpedance::advance(SimTime H, const WrenchSet& begin, const Eig
     const Eigen::VectorXd damped = Z * twists(end.result.output);
     const Eigen::VectorXd residual = a - damped - lambda;
     const double scale_N = std::max({norm_N(a), norm_N(damped), norm_N(lambda)});
-    const double limit_N = kTolerance * scale_N;
+    const double limit_N = kStraightTolerance * scale_N;
     if (norm_N(residual) <= limit_N || floor.reached(norm_N(residual), scale_N, 0.0)) return end;
-    if (k == kMostEvaluations) {
+    if (k == kMostPasses) {
       end.result.outcome = Outcome::NotConverged;
       end.result.message = fmt::format(
           "the impedance at the ports of the multibody side leaves {:.3g} N after {} evaluations: "
@@ -72,7 +72,7 @@ ImpedanceEnd PortImpedance::advance(SimTime H, const WrenchSet& begin, const Eig
     last_lambda = lambda;
     last_motions = end.result.output;
     end.applied = unstack_wrenches(lambda + matrix.partialPivLu().solve(residual));
-    linearize = k % kPatience == 0;
+    linearize = k % kPassesWithoutGain == 0;
   }
 }
 

@@ -6,12 +6,11 @@
 
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
+#include "protocol/wire/resend_timeouts.h"
 
 namespace tandem::wire {
 namespace {
 
-constexpr double kFirstTimeout_s = 0.02;
-constexpr double kLastTimeout_s = 0.2;
 constexpr double kLongestStay_s = 0.005;
 constexpr std::size_t kLargestBatch = 30000;  // so that it and one step more fit one datagram
 

@@ -8,12 +8,11 @@
 
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
+#include "protocol/wire/resend_timeouts.h"
 
 namespace tandem::wire {
 namespace {
 
-constexpr double kFirstTimeout_s = 0.02;
-constexpr double kLastTimeout_s = 0.2;
 constexpr double kByeTime_s = 2.0;
 
 }  // namespace

@@ -106,6 +106,30 @@ TEST(RunControl, AlsoOnALossyWire) {
   EXPECT_GT(summary.at("wire").value("resent", 0), 0) << summary;
 }
 
+// What a thinned log leaves out are steps without a command.
+TEST(RunControl, CommandsStayInAThinnedLog) {
+  const TemporaryFolder folder;
+  const auto out = folder / "run";
+  ChildProcess run(endless_run(out, {"--set", "output.log_every_steps=50"}));
+  EXPECT_TRUE(stepping(out)) << run.output();
+  const std::vector<std::vector<std::string>> commands{
+      {"force", "tip", "0,0.5,1.25"}, {"fix", "tip"}, {"release", "tip"}};
+  for (const auto& command : commands) {
+    const Ended made = control(out, command);
+    EXPECT_EQ(made.code, 0) << made.output;
+  }
+  recorded(out, "release tip");
+  run.signal(SIGINT);
+  EXPECT_NE(run.wait(30.0), -1);
+  const Ended csv = tandem_command({"log", out.string(), "--csv"});
+  for (const char* text : {"\"force tip 0,0.5,1.25\"", "\"fix tip\"", "\"release tip\""}) {
+    EXPECT_NE(csv.output.find(std::string(",command,1,0,0,0,") + text), std::string::npos)
+        << text << "\n"
+        << csv.output.substr(0, 2000);
+  }
+  EXPECT_EQ(tandem_command({"replay", out.string(), "--side", "fem"}).code, 2);
+}
+
 // Changes of the scenario: both transports have the same bits, which are not those without changes.
 TEST(RunControl, ChangesAfterTheEndAreRefused) {
   const TemporaryFolder folder;

@@ -82,7 +82,8 @@ TEST(AdviseCandidates, IteratesWithTheAcceleratorOfTheFewestEvaluationsUnlessItI
   EXPECT_TRUE(make_candidate(changed, "implicit", own).settings.empty());
 }
 
-TEST(AdviseCandidates, InnerToleranceFollowsTheCouplings) {
+// One rule for a run's own choice and for what is offered.
+TEST(AdviseCandidates, InnerToleranceIsThatOfRunAccuracy) {
   const auto inner = [](const Settings& settings) {
     const Model model = load("lug/scenario", settings);
     for (const SolverChange& change : solver_changes(model)) {
@@ -94,11 +95,11 @@ TEST(AdviseCandidates, InnerToleranceFollowsTheCouplings) {
     }
     return 0.0;
   };
-  EXPECT_NEAR(inner({"coupling.relative_tolerance=1e-8"}), 1e-9, 1e-15);
-  EXPECT_NEAR(inner({"coupling.relative_tolerance=1e-11"}), 1e-12, 1e-18);
-  // No residual of less than some round-off can be asked for; one evaluation has no tolerance.
-  EXPECT_NEAR(inner({"coupling.relative_tolerance=1e-14"}), 1e-13, 1e-19);
-  EXPECT_NEAR(inner({"coupling.scheme=explicit_serial"}), 1e-8, 1e-14);
+  const std::string direct = "fem.solver.kind=cholmod";
+  EXPECT_EQ(inner({direct, "run.accuracy=1e-6"}), 1e-10);
+  EXPECT_EQ(inner({direct, "run.accuracy=1e-8"}), 1e-12);
+  EXPECT_EQ(inner({direct, "run.accuracy=1e-12"}), 1e-13);
+  EXPECT_EQ(inner({direct, "run.accuracy=1e-6", "coupling.scheme=explicit_serial"}), 1e-10);
 }
 
 TEST(AdviseCandidates, SolverSettingsAreThoseThatTheModelHas) {

@@ -101,7 +101,24 @@ TEST(AncfContact, ThereIsNoAdhesion) {
   ContactPoint point{.normal = Eigen::Vector3d::UnitZ(), .depth = 1e-4};
   point.approach = {0.0, 0.0, 100.0};  // leaves fast: k d + c d' < 0
   Traction out;
-  EXPECT_FALSE(traction(kRubber, point, false, out));
+  out.force = {1.0, 2.0, 3.0};  // of another point
+  ASSERT_TRUE(traction(kRubber, point, true, out));
+  EXPECT_EQ(out.force.norm() + out.by_position.norm() + out.by_velocity.norm(), 0.0);
+}
+
+// Whatever its speed, what a point on its way out does to the band and what is lost are what it has
+// stored: p d' = k d d' + loss; without adhesion the spring's energy is lost as fast as it falls.
+TEST(AncfContact, FastSeparationLosesWhatWasStored) {
+  const double k = 9e7, depth = 1e-4;
+  for (const double leaving : {0.1, 4.4, 4.6, 100.0}) {  // p = 0 at k d/c = 4.5 m/s
+    const ContactPoint point{
+        .normal = Eigen::Vector3d::UnitZ(), .approach = {0.0, 0.0, leaving}, .depth = depth};
+    Traction out;
+    ASSERT_TRUE(traction(kRubber, point, false, out));
+    EXPECT_DOUBLE_EQ(out.stored, 0.5 * k * depth * depth);
+    EXPECT_NEAR(out.loss, (k * depth - out.pressure) * leaving, 1e-12 * k * depth * leaving);
+    EXPECT_EQ(out.pressure > 0.0, leaving < 4.5) << leaving;
+  }
 }
 
 TEST(AncfContact, OutsideThereIsNoPoint) {
