@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "fem_process/corotational_lanes.h"
+#include "fem_process/lattice.h"
 #include "fem_process/node_vectors.h"
 #include "fem_process/polar_lanes.h"
 #include "fem_process/simd.h"
@@ -43,37 +45,19 @@ TANDEM_INLINE int evaluate_batch(const CorotationalKernel::Batch& batch, double 
   LaneMatrix<Lanes> R;
   const int inverted = polar_lanes(F, R);
 
-  // V σ, σ symmetric: of the strain in the turned axes.
-  Lanes A[9];  // Rᵀ F
-  for (int k = 0; k < 9; ++k) {
-    const int i = k / 3;
-    const int j = k % 3;
-    A[k] = R.at[i] * F.at[j] + R.at[3 + i] * F.at[3 + j] + R.at[6 + i] * F.at[6 + j];
-  }
-  const Lanes e0 = A[0] - 1.0;
-  const Lanes e1 = A[4] - 1.0;
-  const Lanes e2 = A[8] - 1.0;
   Lanes volume;
   load(volume, batch.volume.data());
-  const Lanes pressure = lambda * volume * (e0 + e1 + e2);
-  const Lanes twice = (2.0 * mu) * volume;
-  const Lanes shear = mu * volume;
-  const Lanes s01 = shear * (A[1] + A[3]);
-  const Lanes s12 = shear * (A[5] + A[7]);
-  const Lanes s02 = shear * (A[2] + A[6]);
-  const Lanes sigma[9] = {pressure + twice * e0, s01, s02, s01,
-                          pressure + twice * e1, s12, s02, s12,
-                          pressure + twice * e2};
+  Lanes A[9];
+  Lanes sigma[9];
+  turn_back(R, F, A);
+  corotated_stress(A, volume, lambda, mu, sigma);
   Lanes root;
   load(root, batch.root_volume.data());
   Lanes force[12];
   Lanes turned[12];
   for (int a = 0; a < 3; ++a) {
     Lanes P[3];
-    for (int b = 0; b < 3; ++b) {
-      P[b] =
-          R.at[3 * a] * sigma[b] + R.at[3 * a + 1] * sigma[3 + b] + R.at[3 * a + 2] * sigma[6 + b];
-    }
+    turned_row(R, sigma, a, P);
     for (int i = 0; i < 3; ++i) {
       const Lanes* g_i = g + 3 * i;
       force[3 * i + 3 + a] = P[0] * g_i[0] + P[1] * g_i[1] + P[2] * g_i[2];
@@ -109,18 +93,48 @@ TANDEM_REGISTER_FUNCTION(evaluate_batches, evaluate_body,
                           double mu, const Padded* x, Padded* f, Padded* c, int& inverted),
                          (batch, count, lambda, mu, x, f, c, inverted))
 
+std::vector<Eigen::Vector3d> centres_of(const std::vector<TetShape>& shapes,
+                                        const std::vector<Eigen::Vector3d>& positions) {
+  std::vector<Eigen::Vector3d> centres;
+  centres.reserve(shapes.size());
+  for (const TetShape& shape : shapes) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int node : shape.nodes) sum += positions[static_cast<std::size_t>(node)];
+    centres.emplace_back(0.25 * sum);
+  }
+  return centres;
+}
+
+/// Where each number stands in a permutation.
+std::vector<int> inverse_of(const std::vector<int>& order) {
+  std::vector<int> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    place[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+  }
+  return place;
+}
+
 }  // namespace
 
 CorotationalKernel::CorotationalKernel(const std::vector<TetShape>& shapes,
-                                       const BlockPattern& pattern, const Material& material)
+                                       const BlockPattern& pattern, const Material& material,
+                                       const std::vector<Eigen::Vector3d>& positions)
+    : CorotationalKernel(shapes, pattern, material, near_order(centres_of(shapes, positions)),
+                         near_order(positions)) {}
+
+CorotationalKernel::CorotationalKernel(const std::vector<TetShape>& shapes,
+                                       const BlockPattern& pattern, const Material& material,
+                                       const std::vector<int>& elements,
+                                       const std::vector<int>& nodes)
     : lambda_(elasticity(material)(0, 1)),
       mu_(elasticity(material)(3, 3)),
-      assembly_(shapes, pattern, lambda_, mu_) {
+      assembly_(shapes, inverse_of(elements), nodes, pattern, lambda_, mu_) {
   for (std::size_t first = 0; first < shapes.size(); first += kLanes) {
     Batch& batch = batches_.emplace_back();
     batch.count = static_cast<int>(std::min<std::size_t>(kLanes, shapes.size() - first));
     for (std::size_t n = 0; n < kLanes; ++n) {
-      const TetShape& shape = shapes[std::min(first + n, shapes.size() - 1)];
+      const int element = elements[std::min(first + n, shapes.size() - 1)];
+      const TetShape& shape = shapes[static_cast<std::size_t>(element)];
       batch.node[n] = shape.nodes;
       for (int k = 0; k < 9; ++k) {
         batch.gradient[static_cast<std::size_t>(k)][n] = shape.gradients(k / 3 + 1, k % 3);

@@ -17,12 +17,13 @@ namespace tandem::fem {
 /// Pa), without a 12 × 12 matrix. With ∇N_i the shape gradients (1/m), V the volume (m³) of an
 /// element:
 ///   ε = sym(Rᵀ F) − I,  f_i = V R (λ tr ε I + 2 μ ε) ∇N_i,  R = polar(F),
-/// and the stiffness of Tet4Assembly. Eight elements at a time, in the order of the mesh; see
-/// polar_lanes() for inverted ones.
+/// and the stiffness of Tet4Assembly. Eight elements at a time, neighbours together: see
+/// near_order(); and polar_lanes() for inverted ones.
 class CorotationalKernel {
  public:
+  /// `positions` (m) of the pattern's nodes at rest.
   CorotationalKernel(const std::vector<TetShape>& shapes, const BlockPattern& pattern,
-                     const Material& material);
+                     const Material& material, const std::vector<Eigen::Vector3d>& positions);
 
   /// Sets f_int (N) and K (N/m) at positions x (m); returns the number of inverted elements.
   int evaluate(const Eigen::VectorXd& x, Eigen::VectorXd& f_int, BlockValues& K,
@@ -40,6 +41,10 @@ class CorotationalKernel {
   };
 
  private:
+  CorotationalKernel(const std::vector<TetShape>& shapes, const BlockPattern& pattern,
+                     const Material& material, const std::vector<int>& elements,
+                     const std::vector<int>& nodes);
+
   double lambda_;
   double mu_;
   Tet4Assembly assembly_;

@@ -33,7 +33,7 @@ CorotationalTet4::CorotationalTet4(const TetMesh& mesh, const Material& material
     : X_(3 * mesh.nodes()),
       D_(elasticity(material)),
       pattern_(pattern_of(mesh)),
-      kernel_(tet_shapes(mesh, pattern_), pattern_, material),
+      kernel_(tet_shapes(mesh, pattern_), pattern_, material, mesh.X),
       team_(team) {
   check(material);
   for (int i = 0; i < mesh.nodes(); ++i) X_.segment<3>(3 * i) = mesh.X[static_cast<std::size_t>(i)];

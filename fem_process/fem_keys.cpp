@@ -111,12 +111,21 @@ Key solver_key() {
           .only_when("kind", {"pcg"})
           .at_least(1)
           .by_default("5000")
-          .doc_is("Iterations after which PCG stops and reports that it has not converged."),
-      scenario::choice("preconditioner", {"block_jacobi", "rest_factor", "warped_rest_factor"})
+          .doc_is("Iterations after which PCG stops; see on_not_converged."),
+      scenario::choice("on_not_converged", {"stop", "accept"})
           .only_when("kind", {"pcg"})
-          .by_default("warped_rest_factor")
+          .by_default("stop")
+          .doc_is("What PCG does after max_iterations: stop the run, or take what it has, so that "
+                  "no step takes longer than so many iterations [MZ12]; what that leaves in the "
+                  "wrench is booked."),
+      scenario::choice("preconditioner", {"automatic", "block_jacobi", "rest_factor",
+                                          "warped_rest_factor", "warped_rest_multigrid"})
+          .only_when("kind", {"pcg"})
+          .by_default("automatic")
           .doc_is("What PCG takes for the inverse: that of the 3×3 diagonal blocks, of the step "
-                  "matrix at the reference positions, or of that one turned with the nodes."),
+                  "matrix at the reference positions, of that one turned with the nodes, or a "
+                  "cycle of multigrid in place of the latter. automatic: warped_rest_factor up to "
+                  "10000 free nodes, beyond warped_rest_multigrid."),
       scenario::choice("initial_guess", {"previous", "projection"})
           .only_when("kind", {"pcg"})
           .by_default("projection")
@@ -230,7 +239,9 @@ IntegratorParams read_integrator(const Node& node) {
 PreconditionerKind read_preconditioner(const std::string& name) {
   if (name == "block_jacobi") return PreconditionerKind::BlockJacobi;
   if (name == "rest_factor") return PreconditionerKind::RestFactor;
-  return PreconditionerKind::WarpedRestFactor;
+  if (name == "warped_rest_factor") return PreconditionerKind::WarpedRestFactor;
+  if (name == "warped_rest_multigrid") return PreconditionerKind::WarpedRestMultigrid;
+  return PreconditionerKind::Automatic;
 }
 
 SolverParams read_solver(const Node& node) {
@@ -239,6 +250,7 @@ SolverParams read_solver(const Node& node) {
     solver.kind = SolverKind::Pcg;
     if (node.has("tolerance")) solver.tolerance = node.real("tolerance");
     solver.max_iterations = static_cast<int>(node.integer("max_iterations"));
+    solver.accept_unconverged = node.text("on_not_converged") == "accept";
     solver.preconditioner = read_preconditioner(node.text("preconditioner"));
     if (node.text("initial_guess") == "previous") solver.initial_guess = InitialGuess::Previous;
   }

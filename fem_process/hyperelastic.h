@@ -29,8 +29,10 @@ class Hyperelastic final : public Formulation {
   [[nodiscard]] double energy(const Eigen::VectorXd& x) const override;
   [[nodiscard]] std::vector<ElementResult> element_results(const Eigen::VectorXd& x) const override;
 
- private:
   using Element = SolidElement<N>;
+  [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
+
+ private:
   [[nodiscard]] static typename Element::Tangent tangent(const Law& law,
                                                          const typename Law::Point& point);
   [[nodiscard]] const Law& law(std::size_t element) const {

@@ -6,7 +6,7 @@
 namespace tandem::fem {
 
 std::unique_ptr<LinearSolver> make_solver(const SolverParams& params, const BlockPattern& pattern,
-                                          const RestFactor* rest, ThreadTeam* team) {
+                                          const RestInverse* rest, ThreadTeam* team) {
   if (params.kind == SolverKind::Pcg) {
     return std::make_unique<PcgSolver>(params, pattern, rest, team);
   }

@@ -12,15 +12,17 @@
 
 namespace tandem::fem {
 
-class RestFactor;
+class RestInverse;
 
 enum class SolverKind { Cholmod, Pcg };
 
 /// P ≈ A of preconditioned conjugate gradients.
 enum class PreconditionerKind {
-  BlockJacobi,      ///< the 3×3 diagonal blocks of A
-  RestFactor,       ///< A₀ = L Lᵀ, A at the reference positions
-  WarpedRestFactor  ///< W A₀ Wᵀ, W the nodes' rotations since then [Courtecuisse et al. 2010]
+  BlockJacobi,       ///< the 3×3 diagonal blocks of A
+  RestFactor,        ///< A₀ = L Lᵀ, A at the reference positions
+  WarpedRestFactor,  ///< W A₀ Wᵀ, W the nodes' rotations since then [Courtecuisse et al. 2010]
+  WarpedRestMultigrid,  ///< W B Wᵀ, B ≈ A₀⁻¹ a cycle of multigrid: RestMultigrid
+  Automatic             ///< WarpedRestFactor, of large meshes WarpedRestMultigrid
 };
 
 /// Where PCG starts.
@@ -33,7 +35,9 @@ struct SolverParams {
   SolverKind kind = SolverKind::Cholmod;
   double tolerance = 1e-12;  ///< PCG: ‖b − A v‖₂ ≤ tolerance ‖b‖₂
   int max_iterations = 5000;
-  PreconditionerKind preconditioner = PreconditionerKind::WarpedRestFactor;
+  /// PCG: takes what max_iterations have reached, with its residual, as a solution [MZ12].
+  bool accept_unconverged = false;
+  PreconditionerKind preconditioner = PreconditionerKind::Automatic;
   InitialGuess initial_guess = InitialGuess::Projection;
 };
 
@@ -74,7 +78,7 @@ class LinearSolver {
 /// diagonal blocks, without a team it runs on the caller's thread.
 [[nodiscard]] std::unique_ptr<LinearSolver> make_solver(const SolverParams& params,
                                                         const BlockPattern& pattern,
-                                                        const RestFactor* rest = nullptr,
+                                                        const RestInverse* rest = nullptr,
                                                         ThreadTeam* team = nullptr);
 
 }  // namespace tandem::fem

@@ -1,5 +1,6 @@
 #include "fem_process/make_formulation.h"
 
+#include "fem_process/corotational_tet10.h"
 #include "fem_process/corotational_tet4.h"
 #include "fem_process/hyperelastic.h"
 #include "fem_process/linear_solid.h"
@@ -28,11 +29,13 @@ std::unique_ptr<const Formulation> make(FormulationKind kind, const TetMesh& mes
 
 std::unique_ptr<const Formulation> make_formulation(FormulationKind kind, const TetMesh& mesh,
                                                     const Materials& materials, ThreadTeam* team) {
-  if (mesh.second_order()) return make<10>(kind, mesh, materials);
-  // The fast kernel knows one pair of Lamé constants.
-  if (kind == FormulationKind::Corotational && materials.uniform_isotropic()) {
-    return std::make_unique<CorotationalTet4>(mesh, materials.list.front(), team);
+  // The fast kernels know one pair of Lamé constants.
+  const bool fast = kind == FormulationKind::Corotational && materials.uniform_isotropic();
+  if (mesh.second_order()) {
+    if (fast) return std::make_unique<CorotationalTet10>(mesh, materials.list.front(), team);
+    return make<10>(kind, mesh, materials);
   }
+  if (fast) return std::make_unique<CorotationalTet4>(mesh, materials.list.front(), team);
   return make<4>(kind, mesh, materials);
 }
 

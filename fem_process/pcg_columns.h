@@ -5,7 +5,7 @@
 
 #include "fem_process/block_matrix.h"
 #include "fem_process/linear_solver.h"
-#include "fem_process/rest_factor.h"
+#include "fem_process/rest_inverse.h"
 #include "fem_process/simd.h"
 #include "fem_process/thread_team.h"
 
@@ -15,7 +15,7 @@ namespace tandem::fem {
 struct PcgSystem {
   const BlockPattern& pattern;
   const BlockValues& A;
-  const RestFactor* rest = nullptr;  ///< null: the inverse diagonal blocks
+  const RestInverse* rest = nullptr;  ///< null: the inverse diagonal blocks
   const std::vector<Padded>& inverse_diagonal;
   const std::vector<NodeRotation>& rotations;
   ThreadTeam& team;
@@ -27,7 +27,7 @@ struct PcgSystem {
 /// threads.
 class PcgColumns {
  public:
-  using Eight = RestFactor::Eight;
+  using Eight = RestInverse::Eight;
 
   /// Solves A x = r in the first `columns` columns, the others of r must be zero, until
   /// ‖r − A x‖ ≤ limit; r becomes r − A x. Iterations are counted per column.
@@ -41,7 +41,7 @@ class PcgColumns {
   template <class Work>
   Eight sum_groups(ThreadTeam& team, std::size_t nodes, const Work& work);
 
-  RestFactor::Scratch scratch_;
+  RestInverse::Scratch scratch_;
   EightVectors z_;
   EightVectors p_;
   EightVectors Ap_;

@@ -107,7 +107,7 @@ TANDEM_VECTOR_FUNCTION(move, step_body,
 }  // namespace
 
 PcgSolver::PcgSolver(const SolverParams& params, const BlockPattern& pattern,
-                     const RestFactor* rest, ThreadTeam* team)
+                     const RestInverse* rest, ThreadTeam* team)
     : params_(params), pattern_(pattern), rest_(rest), team_(team != nullptr ? *team : alone_) {
   if (rest_ == nullptr) params_.preconditioner = PreconditionerKind::BlockJacobi;
 }
@@ -116,7 +116,7 @@ SolveReport PcgSolver::factorize(const BlockValues& A, const std::vector<NodeRot
   A_ = &A;
   rotations_.clear();
   if (params_.preconditioner == PreconditionerKind::BlockJacobi) return invert_diagonal(A);
-  if (params_.preconditioner == PreconditionerKind::WarpedRestFactor) rotations_ = rotations;
+  if (params_.preconditioner != PreconditionerKind::RestFactor) rotations_ = rotations;
   return {};
 }
 
@@ -176,8 +176,9 @@ SolveReport PcgSolver::solve_columns(double tolerance, Eigen::MatrixXd& r,
     residual.topRows(count) = r.middleCols(begin, count).transpose();
     PcgColumns::Eight limits = PcgColumns::Eight::Zero();
     limits.head(count) = tolerance * b_norms.segment(begin, count).array();
-    const SolveReport report = columns_.solve(system, limits, static_cast<int>(count),
-                                              params_.max_iterations, residual, x);
+    SolveReport report = columns_.solve(system, limits, static_cast<int>(count),
+                                        params_.max_iterations, residual, x);
+    if (report.outcome == Outcome::NotConverged && params_.accept_unconverged) report = {};
     r.middleCols(begin, count) = x.topRows(count).transpose();
     if (left != nullptr) left->middleCols(begin, count) = residual.topRows(count).transpose();
     total.iterations += report.iterations;
@@ -214,7 +215,7 @@ SolveReport PcgSolver::solve_column(double b_norm) {
     ++report.iterations;
   }
   report.residual = residual;
-  if (!(residual <= limit)) {
+  if (!(residual <= limit) && !params_.accept_unconverged) {
     report.outcome = Outcome::NotConverged;
     report.message = text("PCG: residual %.3g N, limit %.3g N after %d iterations. ", residual,
                           limit, report.iterations) +

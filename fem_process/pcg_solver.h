@@ -2,7 +2,7 @@
 
 #include "fem_process/linear_solver.h"
 #include "fem_process/pcg_columns.h"
-#include "fem_process/rest_factor.h"
+#include "fem_process/rest_inverse.h"
 
 namespace tandem::fem {
 
@@ -14,7 +14,7 @@ class PcgSolver final : public LinearSolver {
  public:
   /// `rest` may be null: then the preconditioner is BlockJacobi whatever `params` says. `team` may
   /// be null: then the caller works alone.
-  PcgSolver(const SolverParams& params, const BlockPattern& pattern, const RestFactor* rest,
+  PcgSolver(const SolverParams& params, const BlockPattern& pattern, const RestInverse* rest,
             ThreadTeam* team);
 
   using LinearSolver::factorize;
@@ -44,13 +44,13 @@ class PcgSolver final : public LinearSolver {
 
   SolverParams params_;
   const BlockPattern& pattern_;
-  const RestFactor* rest_;
+  const RestInverse* rest_;
   ThreadTeam alone_;
   ThreadTeam& team_;
   const BlockValues* A_ = nullptr;
   std::vector<Padded> inverse_diagonal_;  ///< columns of the blocks
   std::vector<NodeRotation> rotations_;
-  RestFactor::Scratch scratch_;
+  RestInverse::Scratch scratch_;
   std::vector<Padded> x_;
   std::vector<Padded> r_;
   std::vector<Padded> z_;

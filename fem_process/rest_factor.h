@@ -7,9 +7,7 @@
 #include "fem_process/block_matrix.h"
 #include "fem_process/cholmod_solver.h"
 #include "fem_process/factor_panels.h"
-#include "fem_process/node_rotations.h"
-#include "fem_process/simd.h"
-#include "fem_process/thread_team.h"
+#include "fem_process/rest_inverse.h"
 
 namespace tandem::fem {
 
@@ -21,31 +19,24 @@ namespace tandem::fem {
 /// 2010]; A₀ is scaled to a unit diagonal first. Subtrees of the elimination tree are solved side
 /// by side, each with sums of its own for the rows above it, which are added up in the order of the
 /// subtrees. The same bits on every processor and for any number of threads.
-class RestFactor {
+class RestFactor final : public RestInverse {
  public:
   /// Throws a Usage error when A₀ is not positive definite.
   RestFactor(const BlockPattern& pattern, const BlockValues& A);
 
-  /// Working memory of solve(): one per caller.
-  struct Scratch {
-    std::vector<float> y;
-    std::vector<float> work;
-    std::vector<double> products;
-  };
-  /// z = W L⁻ᵀ L⁻¹ Wᵀ r to some 4 digits, W = diag(`rotations`) or, when they are empty, I.
-  /// `r_norm` = ‖r‖ keeps small numbers in the range of single precision. Returns r · z.
+  /// z = W L⁻ᵀ L⁻¹ Wᵀ r to some 4 digits.
   double solve(const std::vector<Padded>& r, double r_norm,
                const std::vector<NodeRotation>& rotations, std::vector<Padded>& z, Scratch& scratch,
-               ThreadTeam& team) const;
+               ThreadTeam& team) const override;
 
-  /// The same for the first `vectors` of eight at once, the others zero: an entry of the factor is
-  /// read once for all of them. A scratch of its own.
-  using Eight = Eigen::Array<double, 8, 1>;
+  /// An entry of the factor is read once for all vectors.
   Eight solve_eight(const EightVectors& r, const Eight& r_norms, int vectors,
                     const std::vector<NodeRotation>& rotations, EightVectors& z, Scratch& scratch,
-                    ThreadTeam& team) const;
+                    ThreadTeam& team) const override;
 
-  [[nodiscard]] std::size_t bytes() const { return panels_.bytes() + sizeof(int) * row_.size(); }
+  [[nodiscard]] std::size_t bytes() const override {
+    return panels_.bytes() + sizeof(int) * row_.size();
+  }
 
  private:
   /// Positions are those in Scratch::y.

@@ -63,7 +63,7 @@ void TransientStep::factorize(Linearisation& kept) const {
   }
   // The linear formulation's stiffness does not turn with the nodes.
   const bool warped = rest_ && model_.params.formulation != FormulationKind::Linear &&
-                      model_.params.solver.preconditioner == PreconditionerKind::WarpedRestFactor;
+                      model_.params.solver.preconditioner != PreconditionerKind::RestFactor;
   kept.rotations.clear();
   if (warped || kept.neighbour != nullptr)
     node_rotations_.at(kept.map.x_tilde, kept.rotations, *model_.team);

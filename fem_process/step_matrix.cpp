@@ -6,7 +6,7 @@ namespace tandem::fem {
 namespace {
 
 /// Blocks that a thread takes at a time.
-constexpr std::size_t kGrain = 2048;
+constexpr std::size_t kBlocksAtOnce = 2048;
 
 TANDEM_INLINE void combine_body(const int* source, double m, const double* M, double k,
                                 const double* K, double* S, std::size_t begin, std::size_t end) {
@@ -40,7 +40,7 @@ void combine(const SubPattern& interior, double m, const std::vector<double>& M,
   S.resize(9 * interior.source.size());
   const BlockValues none(K == nullptr ? 9 * M.size() : 0, 0.0);
   const double* const stiffness = K != nullptr ? K->data() : none.data();
-  team.run_ranges(interior.source.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  team.run_ranges(interior.source.size(), kBlocksAtOnce, [&](std::size_t begin, std::size_t end) {
     combine_blocks(interior.source.data(), m, M.data(), k, stiffness, S.data(), begin, end);
   });
 }

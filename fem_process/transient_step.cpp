@@ -8,6 +8,8 @@
 #include "fem_process/angular_balance.h"
 #include "fem_process/make_formulation.h"
 #include "fem_process/node_vectors.h"
+#include "fem_process/rest_factor.h"
+#include "fem_process/rest_multigrid.h"
 #include "fem_process/round_off.h"
 #include "fem_process/step_energy.h"
 #include "fem_process/step_matrix.h"
@@ -16,6 +18,10 @@
 
 namespace tandem::fem {
 namespace {
+
+/// Free nodes up to which a factor at rest is preferred to multigrid: above, its set-up takes
+/// seconds and its memory grows faster than the mesh (docs/fem_speed.md).
+constexpr int kMostFactorised = 10000;
 
 PortArms arms_of_rigid_ports(const Model& model, PortArms arms) {
   for (std::size_t p = 0; p < arms.size(); ++p) {
@@ -39,7 +45,7 @@ TransientStep::TransientStep(const Model& model, PortArms arms)
   }
 }
 
-std::unique_ptr<const RestFactor> TransientStep::factorize_at_rest() const {
+std::unique_ptr<const RestInverse> TransientStep::factorize_at_rest() const {
   const SolverParams& solver = model_.params.solver;
   if (solver.kind != SolverKind::Pcg || solver.preconditioner == PreconditionerKind::BlockJacobi) {
     return nullptr;
@@ -51,7 +57,15 @@ std::unique_ptr<const RestFactor> TransientStep::factorize_at_rest() const {
   // The map's coefficients depend on the step's length alone.
   const StepMap map = model_.integrator->map(State{}, to_seconds(model_.params.micro_step));
   step_matrix(map, K, S);
-  return std::make_unique<const RestFactor>(model_.interior.pattern, S);
+  const BlockPattern& pattern = model_.interior.pattern;
+  if (solver.preconditioner == PreconditionerKind::WarpedRestMultigrid ||
+      (solver.preconditioner == PreconditionerKind::Automatic &&
+       pattern.rows() > kMostFactorised)) {
+    std::vector<Eigen::Vector3d> positions;
+    for (int node : model_.free) positions.push_back(model_.mesh.X[static_cast<std::size_t>(node)]);
+    return std::make_unique<const RestMultigrid>(pattern, S, positions);
+  }
+  return std::make_unique<const RestFactor>(pattern, S);
 }
 
 /// S_II = ∂(M a + r)/∂v of a step, with the stiffness K.

@@ -10,7 +10,7 @@
 #include "fem_process/model.h"
 #include "fem_process/node_rotations.h"
 #include "fem_process/port_arms.h"
-#include "fem_process/rest_factor.h"
+#include "fem_process/rest_inverse.h"
 #include "fem_process/state.h"
 #include "protocol/contract/port.h"
 #include "protocol/contract/subsystem.h"
@@ -195,7 +195,7 @@ class TransientStep {
   [[nodiscard]] bool measures_residuals() const;
   [[nodiscard]] bool remembers() const;
   void remember(const Eigen::VectorXd& v, State& state) const;
-  [[nodiscard]] std::unique_ptr<const RestFactor> factorize_at_rest() const;
+  [[nodiscard]] std::unique_ptr<const RestInverse> factorize_at_rest() const;
 
   const Model& model_;
   PortArms arms_;
@@ -204,7 +204,7 @@ class TransientStep {
   NodeRotations node_rotations_;
   /// Of exact tangents: what stands in for them. Null: not needed.
   std::unique_ptr<const Formulation> definite_;
-  std::unique_ptr<const RestFactor> rest_;  ///< null: not used
+  std::unique_ptr<const RestInverse> rest_;  ///< null: not used
 };
 
 }  // namespace tandem::fem

@@ -30,6 +30,8 @@ const std::vector<std::string> kSolvers{
     "rest_factor+projection",
     "warped_rest_factor",
     "warped_rest_factor+projection",
+    "warped_rest_multigrid",
+    "warped_rest_multigrid+projection",
 };
 
 /// What a row measures, and its quietest run so far.
@@ -63,9 +65,9 @@ struct BenchCommand {
     Json rows = Json::array();
     fmt::print(
         "{:<13} {:<5} {:<29} {:>3} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9} {:>7} {:>9} {:>7} "
-        "{:>6} {:>7}\n",
+        "{:>6} {:>7} {:>8}\n",
         "mesh", "case", "solver", "thr", "cap", "median_ms", "p95_ms", "elements", "factorize",
-        "solve", "its", "error", "RT", "ratio", "MB");
+        "solve", "its", "error", "RT", "ratio", "MB", "setup_ms");
     for (const std::string& mesh : meshes) {
       for (const std::string& name : cases) measure(mesh, fem::benchmark_case(name), rows);
     }
@@ -135,6 +137,12 @@ struct BenchCommand {
     if (name.starts_with("rest_factor")) {
       solver.preconditioner = fem::PreconditionerKind::RestFactor;
     }
+    if (name.starts_with("warped_rest_factor")) {
+      solver.preconditioner = fem::PreconditionerKind::WarpedRestFactor;
+    }
+    if (name.starts_with("warped_rest_multigrid")) {
+      solver.preconditioner = fem::PreconditionerKind::WarpedRestMultigrid;
+    }
     return solver;
   }
 
@@ -169,7 +177,7 @@ struct BenchCommand {
     const int cap = row.at("max_iterations").get<int>();
     fmt::print(
         "{:<13} {:<5} {:<29} {:>3} {:>5} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} "
-        "{:>7.1f} {:>9.1e} {:>7.1f} {:>6} {:>7.1f}\n",
+        "{:>7.1f} {:>9.1e} {:>7.1f} {:>6} {:>7.1f} {:>8.0f}\n",
         row.at("mesh").get<std::string>(), row.at("case").get<std::string>(),
         row.at("solver").get<std::string>(), row.at("threads").get<int>(),
         cap > 0 ? fmt::format("{}", cap) : "-", number(row.at("step_ms"), "median"),
@@ -178,7 +186,7 @@ struct BenchCommand {
         number(row, "real_time_ratio"),
         row.contains("to_block_jacobi") ? fmt::format("{:.1f}", number(row, "to_block_jacobi"))
                                         : "-",
-        number(row, "memory_MB"));
+        number(row, "memory_MB"), number(row, "setup_ms"));
   }
 };
 
@@ -221,7 +229,7 @@ void add_bench_fem(CLI::App& bench) {
   sub->footer(
       "Median of the run's steps, mean per phase, milliseconds. RT: simulated over wall time. "
       "ratio: how many times as fast as block_jacobi on one thread. MB: what model and solver "
-      "hold.");
+      "hold. setup_ms: reading the mesh, analysis, factor or multigrid.");
   sub->callback([command] { command->run(); });
 }
 

@@ -4,12 +4,14 @@
 
 #include <cmath>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 #include "fem_process/flexible_body.h"
 #include "fem_process/rest_factor.h"
 #include "fem_process/step_benchmark.h"
 #include "fem_process/step_matrix.h"
+#include "tests/support/fem_box.h"
 
 namespace tandem::fem {
 namespace {
@@ -27,8 +29,19 @@ SolverParams solver_of(const benchmark::State& bench) {
           .initial_guess = static_cast<InitialGuess>(bench.range(1))};
 }
 
-void step(benchmark::State& bench) {
-  const Model model(lug(solver_of(bench)));
+/// A bar of 10080 second-order tets, or of as many nodes (15795, in the same places) of first
+/// order.
+Params bar(int order, SolverParams solver) {
+  const int n = order == 2 ? 1 : 2;
+  const std::string text = testing::cells_inp({40 * n, 6 * n, 7 * n}, {0.5, 0.075, 0.0875});
+  Params params = benchmark_params(benchmark_case("soft"), testing::temporary_file("bar.inp", text),
+                                   "LEFT", "RIGHT", solver);
+  params.mesh.order = order;
+  return params;
+}
+
+void run_steps(benchmark::State& bench, const Params& params) {
+  const Model model(params);
   const TransientStep transient(model, {});
   State state;
   WrenchSet wrenches;
@@ -36,19 +49,68 @@ void step(benchmark::State& bench) {
   Linearisation kept;
   std::uint64_t generation = 0;
   std::int64_t iterations = 0;
+  StepTimes times;
   for (auto _ : bench) {
     state.generation = ++generation;
     TransientStep::Result result = transient.advance(state, {}, {}, model.params.micro_step, kept);
     iterations += result.report.iterations;
+    times.elements_s += result.times.elements_s;
+    times.factorize_s += result.times.factorize_s;
+    times.solve_s += result.times.solve_s;
     state = std::move(result.state);
   }
-  bench.counters["its"] =
-      benchmark::Counter(static_cast<double>(iterations), benchmark::Counter::kAvgIterations);
+  const auto mean = [&](const char* name, double sum) {
+    bench.counters[name] = benchmark::Counter(sum, benchmark::Counter::kAvgIterations);
+  };
+  mean("its", static_cast<double>(iterations));
+  mean("elements_ms", 1e3 * times.elements_s);
+  mean("factorize_ms", 1e3 * times.factorize_s);
+  mean("solve_ms", 1e3 * times.solve_s);
 }
+
+void step(benchmark::State& bench) { run_steps(bench, lug(solver_of(bench))); }
 // First number: 0 CHOLMOD, 1 block_jacobi, 2 rest_factor, 3 warped_rest_factor. Second: 1
 // projection.
 BENCHMARK(step)->Args({0, 0})->Args({1, 0})->Args({2, 0})->Args({3, 0})->Args({3, 1})->Unit(
     benchmark::kMillisecond);
+
+/// A step of a bar of elements of the third number's order, on so many threads (fourth number).
+void order_step(benchmark::State& bench) {
+  Params params = bar(static_cast<int>(bench.range(2)), solver_of(bench));
+  params.threads = static_cast<int>(bench.range(3));
+  run_steps(bench, params);
+}
+BENCHMARK(order_step)
+    ->ArgsProduct({{3}, {1}, {1, 2}, {1, 2}})
+    ->Args({0, 0, 1, 1})
+    ->Args({0, 0, 2, 1})
+    ->Unit(benchmark::kMillisecond);
+
+/// Their element pass alone.
+void order_elements(benchmark::State& bench) {
+  const Model model(bar(static_cast<int>(bench.range(0)), {}));
+  const Eigen::VectorXd x = 1.01 * model.reference();
+  Eigen::VectorXd f;
+  BlockValues K;
+  for (auto _ : bench) benchmark::DoNotOptimize(model.formulation->evaluate(x, f, K));
+}
+BENCHMARK(order_elements)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
+
+/// Their derivatives along six directions, of a port.
+void order_derivatives(benchmark::State& bench) {
+  const Model model(bar(static_cast<int>(bench.range(0)), {}));
+  const Eigen::VectorXd x = 1.01 * model.reference();
+  const Eigen::MatrixXd dx = Eigen::MatrixXd::Random(x.size(), 6);
+  for (auto _ : bench) benchmark::DoNotOptimize(model.formulation->derivatives(x, dx));
+}
+BENCHMARK(order_derivatives)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
+
+void order_energy(benchmark::State& bench) {
+  const Model model(bar(static_cast<int>(bench.range(0)), {}));
+  const Eigen::VectorXd x = 1.01 * model.reference();
+  for (auto _ : bench) benchmark::DoNotOptimize(model.formulation->energy(x));
+}
+BENCHMARK(order_energy)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond);
 
 /// A step of the lug held at its eye, a port at rest, with and without the interface Jacobian
 /// (third number), to a tolerance of ten to the minus fourth number.

@@ -59,22 +59,26 @@ inline std::string box_inp(int n) {
          "\n*SURFACE, NAME=END, TYPE=ELEMENT\n" + faces;
 }
 
-/// Abaqus text of the unit cube divided into n³ cells of six tets each.
-inline std::string cube_inp(int n) {
-  const auto tag = [n](const std::array<int, 3>& at) {
-    return 1 + ((n + 1) * at[0] + at[1]) * (n + 1) + at[2];
+/// Abaqus text of a box with a corner at the origin, divided into cells of six tets each. Node sets
+/// LEFT and RIGHT: its ends along x. With twice the cells, the nodes are those of the same box of
+/// second-order tets. Lengths of cells: six decimals at most.
+inline std::string cells_inp(const std::array<int, 3>& cells, const std::array<double, 3>& size) {
+  const auto tag = [&](const std::array<int, 3>& at) {
+    return 1 + ((cells[1] + 1) * at[0] + at[1]) * (cells[2] + 1) + at[2];
   };
   std::string nodes = "*NODE\n";
   std::string tets = "*ELEMENT, TYPE=C3D4, ELSET=ALL\n";
   int element = 0;
   std::array<int, 3> at{};
-  for (at[0] = 0; at[0] <= n; ++at[0]) {
-    for (at[1] = 0; at[1] <= n; ++at[1]) {
-      for (at[2] = 0; at[2] <= n; ++at[2]) {
+  for (at[0] = 0; at[0] <= cells[0]; ++at[0]) {
+    for (at[1] = 0; at[1] <= cells[1]; ++at[1]) {
+      for (at[2] = 0; at[2] <= cells[2]; ++at[2]) {
         nodes += std::to_string(tag(at));
-        for (int c : at) nodes += ", " + std::to_string(static_cast<double>(c) / n);
+        for (std::size_t k = 0; k < 3; ++k) {
+          nodes += ", " + std::to_string(size[k] * at[k] / cells[k]);
+        }
         nodes += "\n";
-        if (*std::max_element(at.begin(), at.end()) == n) continue;
+        if (at[0] == cells[0] || at[1] == cells[1] || at[2] == cells[2]) continue;
         std::array<int, 3> axes{0, 1, 2};
         do {
           std::array<int, 3> corner = at;
@@ -92,7 +96,14 @@ inline std::string cube_inp(int n) {
       }
     }
   }
-  return nodes + tets;
+  const int end = (cells[1] + 1) * (cells[2] + 1);
+  const int before = cells[0] * end;
+  return nodes + tets + "*NSET, NSET=LEFT, GENERATE\n1, " + std::to_string(end) +
+         "\n*NSET, NSET=RIGHT, GENERATE\n" + std::to_string(before + 1) + ", " +
+         std::to_string(before + end) + "\n";
 }
+
+/// The unit cube divided into n³ cells of six tets each.
+inline std::string cube_inp(int n) { return cells_inp({n, n, n}, {1.0, 1.0, 1.0}); }
 
 }  // namespace tandem::fem::testing

@@ -47,10 +47,11 @@ TEST(ThreadTeam, RangesCoverTheWholeInPiecesOfTheGrain) {
 }
 
 /// Positions after 30 steps of the swung lug.
-Eigen::VectorXd swing(const SolverParams& solver, int threads) {
+Eigen::VectorXd swing(const SolverParams& solver, int threads, int order = 1) {
   Params params =
       benchmark_params(benchmark_case("soft"), data_file("lug_1k.msh"), "clamp", "eye", solver);
   params.threads = threads;
+  params.mesh.order = order;
   return run_benchmark(params, 40).kept.back();
 }
 
@@ -67,6 +68,12 @@ TEST(SameBits, ForAnyNumberOfThreads) {
     EXPECT_EQ(swing(solver, 2), alone);
     EXPECT_EQ(swing(solver, 3), alone);
   }
+}
+
+TEST(SameBits, OfSecondOrderForAnyNumberOfThreadsAndEveryRepetition) {
+  const Eigen::VectorXd alone = swing(kWarped, 1, 2);
+  EXPECT_EQ(swing(kWarped, 2, 2), alone);
+  EXPECT_EQ(swing(kWarped, 2, 2), alone);
 }
 
 TEST(SameBits, WithAndWithoutVectorInstructions) {
