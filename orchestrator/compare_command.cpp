@@ -31,6 +31,7 @@ struct CompareCommand {
     ScenarioOptions options = scenario;
     if (!scheme.empty()) options.scheme = scheme;
     options.scheme_option = "--schemes";
+    options.sets.emplace_back("run.pace=free");  // what it costs, not how long it may take
     return options.load();
   }
   [[nodiscard]] RunDirectory new_folder() const {

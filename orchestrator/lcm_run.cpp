@@ -47,6 +47,10 @@ class HubSink final : public StepSink {
     if (journal.step.macro_step % 64 == 0) launch_.supervise({Process::Mbs, Process::Fem});
     return recorder_.record(std::move(journal));
   }
+  void rest(double seconds) override {
+    monitor_.wait(seconds);
+    recorder_.rest(0.0);
+  }
 
  private:
   Recorder& recorder_;

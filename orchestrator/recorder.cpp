@@ -49,6 +49,11 @@ double Recorder::record(wire::StepJournal journal) {
   return 0.0;
 }
 
+void Recorder::rest(double seconds) {
+  throw_if_interrupted();
+  StepSink::rest(seconds);
+}
+
 /// Of a thinned log: the steps in turn and what a reader will look for, the steps that were
 /// commanded or failed.
 bool Recorder::logs(const wire::StepJournal& journal) const {

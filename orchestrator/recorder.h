@@ -24,6 +24,7 @@ class Recorder final : public StepSink {
 
   /// Throws once a signal has asked to stop; the step is recorded then, too.
   double record(wire::StepJournal journal) override;
+  void rest(double seconds) override;
 
   /// Closes the log with how the run ended; a log that could not be written to stays as it is.
   void finish(const wire::Finished& finished);

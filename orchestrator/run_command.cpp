@@ -43,6 +43,22 @@ std::string balance_line(const nlohmann::ordered_json& energy) {
       -value("numerical"), value("total_end"), value("balance_error"));
 }
 
+/// Of a run that was held to the wall clock.
+std::string pace_line(const nlohmann::ordered_json& pace) {
+  std::string by;
+  for (const auto& [part, steps] : pace.at("missed_by").items()) {
+    if (steps.get<std::int64_t>() == 0) continue;
+    by += fmt::format("{}{} {}", by.empty() ? ": " : ", ", part, steps.get<std::int64_t>());
+  }
+  const auto& step_us = pace.at("step_us");
+  return fmt::format(
+      "pace {:g}: {} of {} macro steps late{}; a step took {:.3g} ms (median), {:.3g} ms (99.9 %), "
+      "{:.3g} ms (most)",
+      number_at(pace, "factor"), pace.at("misses").get<std::int64_t>(),
+      pace.at("steps").get<std::int64_t>(), by, 1e-3 * number_at(step_us, "median"),
+      1e-3 * number_at(step_us, "p99.9"), 1e-3 * number_at(step_us, "max"));
+}
+
 struct RunCommand {
   ScenarioOptions scenario;
   std::string transport = "lcm";
@@ -117,6 +133,7 @@ struct RunCommand {
       std::fprintf(stderr, "%s\n", s.at("message").get<std::string>().c_str());
     }
     std::printf("%s\n", outcome_line(s).c_str());
+    if (s.contains("pace")) std::printf("%s\n", pace_line(s.at("pace")).c_str());
     // Final state and energies are not known of a run that was broken off.
     if (s.at("energy_J").contains("balance_error")) {
       std::printf("%s\n", balance_line(s.at("energy_J")).c_str());

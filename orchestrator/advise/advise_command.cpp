@@ -23,6 +23,7 @@ struct AdviseCommand {
   [[nodiscard]] Model load(const Settings& settings, double step_s, double duration_s) const {
     ScenarioOptions changed = scenario;
     changed.sets.emplace_back("coupling.adaptive.tolerance=0");
+    changed.sets.emplace_back("run.pace=free");
     changed.sets.emplace_back("output.energy_every_steps=1");
     changed.sets.emplace_back("output.bodies_every_steps=1");
     changed.sets = joined(std::move(changed.sets), settings);

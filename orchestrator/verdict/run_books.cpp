@@ -71,6 +71,17 @@ void add_gap(const Model& model, const ordered_json& widest, RunBooks& books) {
   books.open_joint = joints.at(static_cast<std::size_t>(joint)).text("name");
 }
 
+void add_pace(const ordered_json& pace, RunBooks& books) {
+  books.paced_steps = pace.at("steps").get<std::int64_t>();
+  books.missed_steps = pace.at("misses").get<std::int64_t>();
+  std::int64_t most = 0;
+  for (const auto& [part, steps] : pace.at("missed_by").items()) {
+    if (steps.get<std::int64_t>() <= most) continue;
+    most = steps.get<std::int64_t>();
+    books.missed_by = part;
+  }
+}
+
 }  // namespace
 
 bool is_second_order(const scenario::Node& fem) {
@@ -114,6 +125,8 @@ RunBooks books_of_run(const Model& model, bool monolithic, const ordered_json& s
     books.parasitic_mass_kg = number_at(summary, "parasitic_mass_kg");
   }
   books.residual_part = number_at(summary.at("residual"), "part_of_wrench");
+  books.steps_out_of_budget = summary.at("steps_out_of_budget").get<std::int64_t>();
+  if (summary.contains("pace")) add_pace(summary.at("pace"), books);
   books.accuracy = model.scenario.root.section("run").real("accuracy");
   books.largest_step_s = number_at(summary, "largest_step_s");
   books.elastic_turn_rad = number_at(summary, "elastic_turn_rad");

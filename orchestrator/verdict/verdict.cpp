@@ -64,6 +64,26 @@ std::string balance_remedy(const RunBooks& books) {
   return remedy + ".";
 }
 
+std::string budget_of(const RunBooks& books) {
+  if (books.steps_out_of_budget == 0) return "";
+  return fmt::format(" ({} of {} macro steps ended by coupling.max_evaluations)",
+                     books.steps_out_of_budget, books.macro_steps);
+}
+
+void judge_pace(const RunBooks& books, std::vector<Cause>& causes) {
+  const double missed =
+      part_of(static_cast<double>(books.missed_steps), static_cast<double>(books.paced_steps));
+  if (!exceeds(missed, Limits::kMissed)) return;
+  causes.push_back({.name = "pace",
+                    .value = missed,
+                    .threshold = Limits::kMissed,
+                    .text = fmt::format("{} of {} macro steps were not done when they were due, "
+                                        "most of them for {}",
+                                        books.missed_steps, books.paced_steps, books.missed_by),
+                    .remedy = "bound a step by coupling.max_evaluations and fem.solver."
+                              "max_iterations, raise run.macro_step_s, or lower run.pace."});
+}
+
 void judge_steps(const RunBooks& books, std::vector<Cause>& causes) {
   if (books.not_converged_steps > 0) {
     const std::string& said = books.not_converged_message;
@@ -82,11 +102,13 @@ void judge_steps(const RunBooks& books, std::vector<Cause>& causes) {
          .threshold = books.accuracy,
          .text =
              fmt::format("the iterations have left {:.2g} of the largest wrench in a macro step, "
-                         "where run.accuracy is {:g}",
-                         books.residual_part, books.accuracy),
-         .remedy = "lower fem.solver.tolerance or use fem.solver.kind: cholmod, and lower "
-                   "coupling.relative_tolerance and tolerance_N where they are set; or say that it "
-                   "is enough by run.accuracy."});
+                         "where run.accuracy is {:g}{}",
+                         books.residual_part, books.accuracy, budget_of(books)),
+         .remedy = books.steps_out_of_budget > 0
+                       ? "raise coupling.max_evaluations, or say that it is enough by run.accuracy."
+                       : "lower fem.solver.tolerance or use fem.solver.kind: cholmod, and lower "
+                         "coupling.relative_tolerance and tolerance_N where they are set; or say "
+                         "that it is enough by run.accuracy."});
   }
   if (books.steps_beyond_tolerance > 0) {
     causes.push_back(
@@ -193,6 +215,7 @@ Verdict judge(const RunBooks& books) {
                   .books = books,
                   .causes = {}};
   judge_steps(books, verdict.causes);
+  judge_pace(books, verdict.causes);
   judge_energy(books, verdict.scale_J, verdict.causes);
   judge_model(books, verdict.causes);
   return verdict;

@@ -41,6 +41,10 @@ struct RunBooks {
   std::int64_t steps_beyond_tolerance = 0;
   double residual_part = 0.0;  ///< largest that an iterated step has left, of the largest wrench
   double accuracy = 1.0;       ///< run.accuracy: what it may leave
+  std::int64_t steps_out_of_budget = 0;  ///< ended by coupling.max_evaluations
+  std::int64_t paced_steps = 0;          ///< held to the wall clock
+  std::int64_t missed_steps = 0;         ///< of these, late
+  std::string missed_by;                 ///< the part that most of these are booked to
 
   std::optional<double> parasitic_mass_kg;  ///< of the lines, with tlm
   double lightest_port_body_kg = 0.0;       ///< what carries a port; 0: not known
@@ -57,6 +61,7 @@ struct RunBooks {
 
 /// Above these a run is not simply done. Parts are of the scale; docs/coupling.md has the table.
 struct VerdictLimits {
+  static constexpr double kMissed = 1e-3;  ///< part of the macro steps that were late
   static constexpr double kLost = 0.05;
   static constexpr double kMade = 0.05;  ///< part of what the run began with and was given
   static constexpr double kBalanceError = 0.01;

@@ -80,7 +80,8 @@ class CoupledRun {
         fem_(metered_fem_, journal_),
         scheme_(params.make_scheme(ports_)),
         monitor_(params.coupling.divergence_growth, ports_),
-        alternation_(ports_) {
+        alternation_(ports_),
+        pace_(params.run.pace) {
     require_same_ports(mbs.side.info().ports);
     report_.scheme = params.scheme_name;
     if (params.scheme_name == to_string(SchemeKind::Tlm)) report_.parasitic_mass_kg = 0.0;
@@ -90,12 +91,14 @@ class CoupledRun {
   RunReport run() {
     initialize();
     const double start_s = now_s();
+    pace_.begin();
     for (std::int64_t n = 1;
          state_.time < params_.run.duration && report_.status == RunStatus::Done; ++n) {
       make_step(n);
     }
     report_.wall_s = now_s() - start_s - looking_s_;
-    report_.ledger.other_s = report_.wall_s - report_.ledger.named_s();
+    report_.pace = pace_.report();
+    report_.ledger.other_s = report_.wall_s - report_.pace.waited_s - report_.ledger.named_s();
     finish();
     return std::move(report_);
   }
@@ -144,6 +147,8 @@ class CoupledRun {
     if (report_.status != RunStatus::Done) return;
     report_.book_interface(step.energy_defect_J, exchanged_J(H, end));
     accept(n, t_end, end);
+    pace_.end_step(t_end, last_ledger_, now_s() - start_s,
+                   [this](double seconds) { sink_.rest(seconds); });
   }
 
   void take_commands(std::int64_t n) {
@@ -257,10 +262,12 @@ class CoupledRun {
     ledger.wait_s = wait_s;
     ledger.other_s = (end_s - start_s) - ledger.named_s();
     report_.ledger += ledger;
+    last_ledger_ = ledger;
   }
 
   void accept(std::int64_t n, SimTime t_end, const MacroStepEnd& end) {
     report_.macro_steps = n;
+    report_.steps_out_of_budget += end.out_of_budget ? 1 : 0;
     report_.simulated = t_end;
     if (report_.parasitic_mass_kg) {
       const double H_s = to_seconds(t_end - state_.time);
@@ -390,6 +397,8 @@ class CoupledRun {
   std::optional<StepController> controller_;  ///< of adaptive steps
   InterfaceState state_;
   RunReport report_;
+  Pace pace_;
+  Ledger last_ledger_;             ///< of the last macro step
   double largest_moment_J_ = 0.0;  ///< of all accepted macro steps
   double last_record_s_ = 0.0, last_wait_s_ = 0.0;
   std::int64_t looks_ = 1;  ///< the next one is due at looks_/kLooks of the run

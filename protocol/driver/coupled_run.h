@@ -1,7 +1,9 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "protocol/driver/command_source.h"
@@ -21,6 +23,11 @@ class StepSink {
   /// Returns the seconds it was blocked (credit of the recorder): booked as wait, the rest as
   /// record.
   virtual double record(wire::StepJournal journal) = 0;
+  /// Waits for at most so many seconds in a run that is held to the wall clock; throws where the
+  /// run is to end meanwhile.
+  virtual void rest(double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  }
 };
 
 /// A side and where it computes.

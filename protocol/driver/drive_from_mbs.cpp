@@ -21,6 +21,7 @@ class SendingSink final : public StepSink {
     context_.monitor.set_macro_step(journal.step.macro_step);
     return sender_.send(journal);
   }
+  void rest(double seconds) override { context_.monitor.wait(seconds); }
 
  private:
   wire::JournalSender& sender_;

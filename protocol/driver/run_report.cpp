@@ -6,18 +6,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "protocol/contract/quantile.h"
+
 namespace tandem {
 namespace {
 
 using nlohmann::ordered_json;
-
-/// Nearest-rank quantile of sorted values; 0 when there are none.
-double quantile(const std::vector<double>& sorted, double q) {
-  if (sorted.empty()) return 0.0;
-  const auto n = static_cast<double>(sorted.size());
-  const double rank = std::clamp(std::ceil(q * n), 1.0, n);
-  return sorted[static_cast<std::size_t>(rank) - 1];
-}
 
 ordered_json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -157,6 +151,7 @@ ordered_json to_json(const RunReport& r) {
   if (!r.broken_off) {
     json["rejected_steps"] = r.rejected_steps;
     json["steps_beyond_tolerance"] = r.steps_beyond_tolerance;
+    json["steps_out_of_budget"] = r.steps_out_of_budget;
     json["not_converged_message"] = r.not_converged_message;
     json["largest_step_s"] = to_seconds(r.largest_step);
     json["largest_turn"] = {{"rad", r.largest_turn_rad}, {"port", r.turning_port}};
@@ -168,6 +163,7 @@ ordered_json to_json(const RunReport& r) {
                             {"part_of_arm", r.widest_joint.part},
                             {"joint", r.widest_joint.joint}};
   }
+  if (r.pace.active()) json["pace"] = to_json(r.pace, r.largest_step);
   if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
   json["ledger_s"] = ledger_json(r.ledger);
   json["wire"] = {{"messages", r.ledger.messages},

@@ -11,6 +11,7 @@
 #include "protocol/contract/sim_time.h"
 #include "protocol/contract/subsystem.h"
 #include "protocol/driver/energy_range.h"
+#include "protocol/driver/pace.h"
 #include "protocol/wire/journal.h"
 
 namespace tandem {
@@ -35,6 +36,7 @@ struct RunReport {
   std::int64_t iterations_max = 0;
   std::int64_t not_converged_steps = 0;
   std::string not_converged_message;        ///< of the first of them
+  std::int64_t steps_out_of_budget = 0;     ///< ended by coupling.max_evaluations
   std::int64_t rejected_steps = 0;          ///< macro steps made again with a shorter one
   std::int64_t steps_beyond_tolerance = 0;  ///< adaptive ones that could not be made shorter
   double elastic_turn_rad = 0.0;            ///< largest, of a linear body; see Observation
@@ -43,6 +45,7 @@ struct RunReport {
   JointGap widest_joint;        ///< largest part of its arm, at some times of the run
   std::optional<double> parasitic_mass_kg;  ///< of the line at each port, with tlm (largest)
   Ledger ledger;
+  PaceReport pace;  ///< of runs that are held to the wall clock
   std::vector<double>
       exchange_us;  ///< per macro step: transfer time / exchanges (sorted at the end)
   double interface_defect_max_J = 0.0;  ///< largest |δE| of a macro step

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <cmath>
+#include <string>
+#include <system_error>
 
 #include "protocol/contract/error.h"
 #include "protocol/scenario/event_times.h"
@@ -28,9 +31,27 @@ std::string seconds_text(SimTime t) {
   return fmt::format("{} s", static_cast<double>(t.count()) / 1e9);
 }
 
+constexpr double kSlowestPace = 1e-6;
+constexpr double kFastestPace = 1e6;
+
+/// 0: free.
+double pace_of(const Node& run) {
+  const std::string text = run.text("pace");
+  if (text == "free") return 0.0;
+  if (text == "real_time") return 1.0;
+  double factor = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
+  const bool number = error == std::errc{} && end == text.data() + text.size();
+  if (number && factor >= kSlowestPace && factor <= kFastestPace) return factor;
+  run.fail("pace", fmt::format("'{}' is no pace. Write free, real_time, or simulated seconds per "
+                               "second of wall time, e.g. 0.5 ({:g} to {:g}).",
+                               text, kSlowestPace, kFastestPace));
+}
+
 RunParams run_of(const Node& run) {
   const RunParams params{.duration = time_of(run, "duration_s"),
-                         .macro_step = time_of(run, "macro_step_s")};
+                         .macro_step = time_of(run, "macro_step_s"),
+                         .pace = pace_of(run)};
   if (params.macro_step.count() == 0) run.fail("macro_step_s", "is below 1 ns. Raise it.");
   const SimTime rest = params.duration % params.macro_step;
   if (rest.count() == 0) return params;
@@ -71,6 +92,11 @@ Key run_keys() {
           .doc_is("Part of the largest wrench up to now that the iterations of a macro step may "
                   "leave in it. Tolerances and methods that the scenario leaves open follow from "
                   "it (docs/coupling.md); 1e-10 chooses what is exact, and slow."),
+      text("pace").by_default("free").doc_is(
+          "free: as fast as it can. real_time, or simulated seconds per second of wall "
+          "time from 1e-6 to 1e6: macro steps wait until they are due, late ones are counted "
+          "(`pace` in "
+          "summary.json). The results have the same bits."),
   };
   run.check = [](const Node& node) { (void)run_of(node); };
   return section("run", std::move(run)).must().doc_is("Duration and macro step.");

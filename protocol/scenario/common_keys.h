@@ -18,6 +18,7 @@ namespace tandem::scenario {
 struct RunParams {
   SimTime duration{};
   SimTime macro_step{};
+  double pace = 0.0;  ///< simulated over wall time that the run is held to; 0: as fast as it can
   /// Times within the run at which the scenario says that something begins or ends, in order: the
   /// corners of ramps and tables, and scheduled changes (`at_s`). Adaptive steps end there.
   std::vector<SimTime> events = {};

@@ -239,6 +239,12 @@ scenario::Key coupling_keys() {
            .doc_is("Evaluations of both sides per macro step before it counts as not converged.")
            .between(1, 100000)
            .by_default(std::to_string(d.max_iterations)),
+       integer("max_evaluations")
+           .doc_is("Evaluations after which a macro step of an iterating scheme ends as it is, for "
+                   "runs in real time: what is left in the wrench is booked and told. "
+                   "interface_jacobian makes two at least where both sides begin at the same time. "
+                   "Left out: none, and max_iterations decides.")
+           .between(1, 100000),
        real("tolerance_N", "N")
            .doc_is("Absolute part of the residual that counts as converged; torques are divided by "
                    "the port length. 0: the relative part and round-off alone, which have the "
@@ -300,6 +306,9 @@ CouplingParams read_coupling(const scenario::Node& root) {
       .prediction = value_of(kPredictions, node.text("prediction")),
       .motion_prediction = value_of(kPredictions, node.text("motion_prediction")),
       .max_iterations = static_cast<std::int32_t>(node.integer("max_iterations")),
+      .max_evaluations = node.has("max_evaluations")
+                             ? static_cast<std::int32_t>(node.integer("max_evaluations"))
+                             : 0,
       .tolerance_N = node.real("tolerance_N"),
       .relative_tolerance = node.has("relative_tolerance")
                                 ? node.real("relative_tolerance")

@@ -68,6 +68,8 @@ struct CouplingParams {
   Prediction prediction = Prediction::Linear;         ///< of the wrenches
   Prediction motion_prediction = Prediction::Linear;  ///< of the motions, in parallel schemes
   std::int32_t max_iterations = 50;
+  /// Evaluations after which a macro step ends as it is, its residual booked; 0: none.
+  std::int32_t max_evaluations = 0;
   /// Converged when ‖r‖ ≤ tolerance_N + relative_tolerance · max ‖λ‖ with r = Λ(M(λ)) − λ, the
   /// largest wrench up to now, and torques scaled by the port lengths. No number of newtons is
   /// small for every model: the absolute part is none unless the scenario sets it, and where the
@@ -93,6 +95,11 @@ struct CouplingParams {
 
 [[nodiscard]] std::string to_string(SchemeKind kind);
 [[nodiscard]] std::string to_string(Prediction prediction);
+
+/// Whether a macro step ends after the k-th evaluation though its residual is above the limit.
+[[nodiscard]] inline bool ends_on_budget(const CouplingParams& params, std::int32_t k) {
+  return params.max_evaluations > 0 && k >= params.max_evaluations;
+}
 
 /// What is set and has no effect with the scheme, one sentence each.
 [[nodiscard]] std::vector<std::string> notes_of(const CouplingParams& params);

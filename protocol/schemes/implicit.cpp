@@ -170,6 +170,8 @@ MacroStepEnd Implicit::in_turn(SimTime H, const InterfaceState& state, bool acce
         floor_.reached(end.residual_N, evaluation.wrench_N, round_off.most_N(to_seconds(H)), 0.0,
                        evaluation.output_error_N);
     if (end.residual_N <= limit_N || at_floor) return end;
+    end.out_of_budget = ends_on_budget(params_, k);
+    if (end.out_of_budget) return end;
     if (k == params_.max_iterations) {
       return not_converged(
           std::move(end), params_,
@@ -222,6 +224,8 @@ MacroStepEnd Implicit::in_parallel(SimTime H, const InterfaceState& state, bool 
             std::max(twist_norm_m_per_s(evaluation.motions, ports_), begin_m_per_s) +
         admittance.s_per_kg() * (at_floor ? std::max(limit_N, end.residual_N) : limit_N);
     if (same_wrench && residual_m_per_s <= limit_m_per_s) return end;
+    end.out_of_budget = ends_on_budget(params_, k);
+    if (end.out_of_budget) return end;
     if (k == params_.max_iterations) {
       return not_converged(std::move(end), params_,
                            fmt::format("‖r‖ = {:.3g} N, limit {:.3g} N, and {:.3g} m/s, limit "

@@ -120,6 +120,10 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
       const bool round_off = floor_.reached(end.residual_N, evaluation.wrench_N, round_off_N,
                                             pose_N, evaluation.output_error_N);
       if (end.residual_N <= limit_N || round_off) return end;
+      if (ends_on_budget(params_, k)) {
+        end.out_of_budget = true;
+        return end;
+      }
     }
     if (k == params_.max_iterations) {
       const std::string remedy =

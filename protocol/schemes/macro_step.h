@@ -15,7 +15,8 @@ struct MacroStepEnd {
   WrenchSet wrenches;  ///< at t_n + H, as the flexible side answered
   WrenchSet applied;   ///< the λ that moved the multibody side
   std::int32_t iterations = 0;
-  double residual_N = 0.0;  ///< ‖Λ(M(λ)) − λ‖ of the last iteration
+  double residual_N = 0.0;     ///< ‖Λ(M(λ)) − λ‖ of the last iteration
+  bool out_of_budget = false;  ///< ended by coupling.max_evaluations, above the limit
 };
 
 }  // namespace tandem

@@ -122,7 +122,7 @@ TEST(RunControl, CommandsStayInAThinnedLog) {
   run.signal(SIGINT);
   EXPECT_NE(run.wait(30.0), -1);
   const Ended csv = tandem_command({"log", out.string(), "--csv"});
-  for (const char* text : {"\"force tip 0,0.5,1.25\"", "\"fix tip\"", "\"release tip\""}) {
+  for (const char* text : {"\"force tip 0,0.5,1.25\"", "fix tip,", "release tip,"}) {
     EXPECT_NE(csv.output.find(std::string(",command,1,0,0,0,") + text), std::string::npos)
         << text << "\n"
         << csv.output.substr(0, 2000);

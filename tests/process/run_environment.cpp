@@ -38,6 +38,7 @@ struct Interruption {
   int signal = 0;
   bool whole_group = false;
   std::vector<std::string> more;
+  bool waiting = false;  ///< of a run whose first macro step is due much later
 };
 void PrintTo(const Interruption& i, std::ostream* out) { *out << i.name; }
 
@@ -53,7 +54,7 @@ TEST_P(Interrupted, EndsInOrderWithTheSignalsExitCode) {
   command.insert(command.begin(), "/usr/bin/setsid");  // a process group of its own, same pid
   ChildProcess tandem(command);
   const auto log = run / "exchange.lcm";
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < (test.waiting ? 400 : 2000); ++i) {
     if (std::filesystem::exists(log) && std::filesystem::file_size(log) > 50000) break;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -101,7 +102,18 @@ INSTANTIATE_TEST_SUITE_P(
                     Interruption{"int_hub", SIGINT, true, {"--driver", "orchestrator"}},
                     Interruption{"term_hub", SIGTERM, false, {"--driver", "orchestrator"}},
                     Interruption{"int_inproc", SIGINT, false, {"--transport", "inproc"}},
-                    Interruption{"term_monolithic", SIGTERM, false, {"--monolithic"}}),
+                    Interruption{"term_monolithic", SIGTERM, false, {"--monolithic"}},
+                    Interruption{"int_waiting", SIGINT, false, {"--set", "run.pace=1e-5"}, true},
+                    Interruption{"term_waiting_hub",
+                                 SIGTERM,
+                                 false,
+                                 {"--driver", "orchestrator", "--set", "run.pace=1e-5"},
+                                 true},
+                    Interruption{"term_waiting_inproc",
+                                 SIGTERM,
+                                 false,
+                                 {"--transport", "inproc", "--set", "run.pace=1e-5"},
+                                 true}),
     [](const auto& test) { return test.param.name; });
 
 // RLIMIT_FSIZE: writing fails in the middle of a file, as on a full disk, without any privilege.

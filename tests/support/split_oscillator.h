@@ -24,13 +24,16 @@ struct SplitOscillator {
   double mbs_kg = 1.0, fem_kg = 0.5, stiffness = 0.0, hardening = 0.0;
   double duration_s = 0.1, step_s = 0.001;
   CouplingParams coupling;
+  double pace = 0.0;  ///< simulated over wall time; 0: free
 };
 
 inline RunReport run(const SplitOscillator& c, Journals& journals) {
   MassMbs mbs(c.mbs_kg, {.x = 0.01, .v = 1.0});
   MassSpringFem fem(c.fem_kg, c.stiffness, c.hardening);
-  const auto params = scheme_run(
-      {sim_time_from_seconds(c.duration_s), sim_time_from_seconds(c.step_s)}, c.coupling);
+  const auto params = scheme_run({.duration = sim_time_from_seconds(c.duration_s),
+                                  .macro_step = sim_time_from_seconds(c.step_s),
+                                  .pace = c.pace},
+                                 c.coupling);
   return run_coupled(params, {mbs}, {fem}, journals);
 }
 

@@ -106,6 +106,40 @@ TEST(CheckWarnings, ModulusInAnotherUnit) {
   EXPECT_EQ(text_at("2.1e11", "7.85e-9"), "");
 }
 
+TEST(CheckWarnings, MaterialOfAChainInAnotherUnit) {
+  expect_words(
+      text_of("implausible_modulus", "belt_drive", {{"fem.ancf.material.young_Pa", "210"}}),
+      {"fem.ancf.material: ", "A modulus of 210 GPa is 2.1e+11 Pa"});
+  expect_words(text_of("implausible_density", "belt_drive",
+                       {{"fem.ancf.material.density_kg_per_m3", "3.6e-9"}}),
+               {"fem.ancf.material.density_kg_per_m3", "In t/mm³", "3600 kg/m³"});
+  EXPECT_EQ(text_of("implausible_modulus", "belt_drive", {}), "");
+  EXPECT_EQ(text_of("implausible_density", "belt_drive", {}), "");
+}
+
+// (1 − ν)/((1 + ν)(1 − 2ν)) = 1.346 at ν = 0.3.
+TEST(CheckWarnings, PoissonLockingOfAChain) {
+  const scenario::Override full{"fem.ancf.integration.kind", "full"};
+  expect_words(text_of("poisson_locking", "belt_drive", {full}),
+               {"fem.ancf.integration.kind", "1.35 times", "axis_d0"});
+  EXPECT_EQ(text_of("poisson_locking", "belt_drive", {}), "");
+  EXPECT_EQ(text_of("poisson_locking", "belt_drive", {full, {"fem.ancf.material.poisson", "0.1"}}),
+            "");
+}
+
+TEST(CheckWarnings, TolerancesCoarserThanTheAccuracy) {
+  const auto tolerance = [](const std::string& key, const std::string& value) {
+    return text_of("coarse_tolerance", "lug", {{key, value}});
+  };
+  expect_words(tolerance("coupling.relative_tolerance", "0.5"),
+               {"coupling.relative_tolerance: 0.5 leaves more than run.accuracy, 1e-06"});
+  expect_words(tolerance("fem.solver", "{kind: pcg, tolerance: 0.1}"),
+               {"fem.solver.tolerance: 0.1 leaves more"});
+  EXPECT_EQ(tolerance("coupling.relative_tolerance", "1e-7"), "");
+  EXPECT_EQ(tolerance("fem.solver", "{kind: pcg, tolerance: 1e-9}"), "");
+  EXPECT_EQ(text_of("coarse_tolerance", "lug", {}), "");
+}
+
 TEST(CheckWarnings, GravityOnOneSideOnly) {
   const std::string name = "gravity_on_one_side";
   expect_words(text_of(name, "lug", {{"fem.gravity_m_per_s2", "[0, 0, 0]"}}),

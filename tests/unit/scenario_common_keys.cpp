@@ -97,6 +97,12 @@ TEST(CommonKeys, OneBadValuePerKeyIsRefusedAtItsPlace) {
       {"0.5,", "-0.5,",
        "scenario.yaml:3:19: run.duration_s: -0.5 is out of range. It must be > 0 s."},
       {"1e-3", "0", "scenario.yaml:3:38: run.macro_step_s: 0 is out of range. It must be > 0 s."},
+      {"1e-3", "1e-3, pace: fast",
+       "scenario.yaml:3:50: run.pace: 'fast' is no pace. Write free, real_time, or simulated "
+       "seconds per second of wall time, e.g. 0.5 (1e-06 to 1e+06)."},
+      {"1e-3", "1e-3, pace: -1",
+       "scenario.yaml:3:50: run.pace: '-1' is no pace. Write free, real_time, or simulated "
+       "seconds per second of wall time, e.g. 0.5 (1e-06 to 1e+06)."},
       {"base", "ba-se",
        "scenario.yaml:5:12: ports.0.name: 'ba-se' is not a name. Begin with a letter, then use "
        "letters, digits and '_' only."},

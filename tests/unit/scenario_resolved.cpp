@@ -51,6 +51,7 @@ run:
   duration_s: 0.30000000000000004440892098500626
   macro_step_s: 1.00e-1
   accuracy: 1e-6
+  pace: "free"
 ports:
   - name: "p"
     body: "b"

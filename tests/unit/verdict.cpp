@@ -125,6 +125,31 @@ TEST(Verdict, NamesAnyStepBeyondTheTolerance) {
 }
 
 // 1e-20 J of a model at rest is no loss of 100 %.
+TEST(Verdict, NamesMissesOfAPacedRunAboveOneInAThousand) {
+  RunBooks books = sound();
+  books.paced_steps = 10000;
+  books.missed_steps = 10;
+  books.missed_by = "fem";
+  EXPECT_TRUE(judge(books).clean()) << judge(books).text();
+  books.missed_steps = 11;
+  const Verdict verdict = judge(books);
+  ASSERT_EQ(verdict.causes.size(), 1U) << verdict.text();
+  EXPECT_EQ(verdict.causes.front().name, "pace");
+  EXPECT_NE(verdict.text().find("11 of 10000 macro steps"), std::string::npos) << verdict.text();
+  EXPECT_NE(verdict.text().find("for fem"), std::string::npos) << verdict.text();
+}
+
+TEST(Verdict, SaysThatABudgetLeftTheResidual) {
+  RunBooks books = sound();
+  books.accuracy = 1e-6;
+  books.residual_part = 1e-4;
+  books.steps_out_of_budget = 7;
+  const std::string text = judge(books).text();
+  EXPECT_NE(text.find("7 of 1000 macro steps ended by coupling.max_evaluations"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("raise coupling.max_evaluations"), std::string::npos) << text;
+}
+
 TEST(Verdict, PassesOverRoundOffAtRest) {
   RunBooks books;
   books.held_J = 1e-20;
