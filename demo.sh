@@ -26,25 +26,29 @@ source .ci/install.sh
 source .ci/network.sh
 
 install_missing "${build_packages[@]}"
+# What runs, without tests and benchmarks.
+configure() { cmake --preset release -DTANDEM_TESTS=OFF; }
 if $configure_only; then
-  cmake --preset release
+  configure
   exit 0
 fi
 
-# One line for every fifth of the build, of ninja's lines "[done/all] …".
+# One line for every tenth of the build, of ninja's lines "[done/all] …", with the time that the
+# rest takes if it is as long as what is done.
 show_progress() {
-  local line percent shown=0
+  local line percent shown=0 begin=$SECONDS rest
   while IFS= read -r line; do
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
     percent=$((100 * BASH_REMATCH[1] / BASH_REMATCH[2]))
-    if ((percent >= shown + 20)); then
-      shown=$((percent / 20 * 20))
-      echo "  $shown % built"
+    if ((percent >= shown + 10)); then
+      shown=$((percent / 10 * 10))
+      rest=$(((SECONDS - begin) * (100 - percent) / percent))
+      if ((shown < 100)); then echo "  $shown % built, about $rest s to go"; else echo "  built"; fi
     fi
   done
 }
 build() {
-  cmake --preset release &&
+  configure &&
     cmake --build --preset release --target tandem tandem-mbs tandem-fem
 }
 

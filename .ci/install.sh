@@ -13,11 +13,10 @@ build_packages=(
   libsuitesparse-dev libopenblas0-pthread libopenblas-dev  # sparse Cholesky
   liblcm-dev liblcm-bin libglib2.0-dev                   # LCM; its pkg-config file needs glib's
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev zlib1g-dev
-  libgtest-dev libbenchmark-dev                          # configuring includes the tests
   iproute2                                               # multicast route of the scripts
 )
-# To check the formatting as well (Debian 12: clang-format 14).
-test_packages=(clang-format)
+# To test as well, and to check the formatting (Debian 12: clang-format 14).
+test_packages=(libgtest-dev libbenchmark-dev clang-format)
 
 # is_installed PACKAGE ARCHITECTURE: dpkg has it unpacked and configured, for this machine or for all.
 # dpkg also knows packages that are not there: those that another one merely mentions

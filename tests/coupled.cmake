@@ -34,3 +34,18 @@ target_link_libraries(reduction PRIVATE coupled_support fmt::fmt)
 add_executable(truth_plots bench/truth.cpp)
 target_link_libraries(truth_plots PRIVATE coupled_support fmt::fmt)
 target_compile_definitions(truth_plots PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+# The coupled step beside its parts, in one run: step_parts [--steps N] [--rounds N] [--check FILE].
+# The test is short and alone on the machine; it fails where a ratio has doubled.
+add_executable(step_parts bench/step_parts.cpp)
+target_link_libraries(step_parts PRIVATE tandem_options orchestrator fmt::fmt)
+target_compile_definitions(step_parts PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+add_dependencies(step_parts tandem tandem-mbs tandem-fem)
+add_test(NAME StepParts.NoRatioHasDoubled
+  COMMAND step_parts --check ${CMAKE_CURRENT_SOURCE_DIR}/bench/step_parts.json)
+set_tests_properties(StepParts.NoRatioHasDoubled PROPERTIES LABELS process RUN_SERIAL ON TIMEOUT 300)
+
+# Prints the table of docs/real_time.md: accuracy against a bounded step.
+add_executable(budget bench/budget.cpp)
+target_link_libraries(budget PRIVATE tandem_options orchestrator fmt::fmt)
+target_compile_definitions(budget PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
