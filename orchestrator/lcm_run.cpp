@@ -48,8 +48,9 @@ class HubSink final : public StepSink {
     return recorder_.record(std::move(journal));
   }
   void rest(double seconds) override {
-    monitor_.wait(seconds);
-    recorder_.rest(0.0);
+    // Looks, and sleeps: to wait for a datagram takes whole ticks of the kernel's clock.
+    monitor_.wait(0.0);
+    recorder_.rest(seconds);
   }
 
  private:
