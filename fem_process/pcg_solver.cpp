@@ -178,7 +178,10 @@ SolveReport PcgSolver::solve_columns(double tolerance, Eigen::MatrixXd& r,
     limits.head(count) = tolerance * b_norms.segment(begin, count).array();
     SolveReport report = columns_.solve(system, limits, static_cast<int>(count),
                                         params_.max_iterations, residual, x);
-    if (report.outcome == Outcome::NotConverged && params_.accept_unconverged) report = {};
+    if (report.outcome == Outcome::NotConverged && params_.accept_unconverged && x.allFinite()) {
+      report.outcome = Outcome::Done;
+      report.message.clear();
+    }
     r.middleCols(begin, count) = x.topRows(count).transpose();
     if (left != nullptr) left->middleCols(begin, count) = residual.topRows(count).transpose();
     total.iterations += report.iterations;
@@ -215,7 +218,7 @@ SolveReport PcgSolver::solve_column(double b_norm) {
     ++report.iterations;
   }
   report.residual = residual;
-  if (!(residual <= limit) && !params_.accept_unconverged) {
+  if (!(residual <= limit) && !(params_.accept_unconverged && std::isfinite(residual))) {
     report.outcome = Outcome::NotConverged;
     report.message = text("PCG: residual %.3g N, limit %.3g N after %d iterations. ", residual,
                           limit, report.iterations) +

@@ -10,9 +10,8 @@
 #include "fem_process/node_vectors.h"
 #include "fem_process/pcg_solver.h"
 #include "fem_process/rest_factor.h"
-#include "fem_process/step_benchmark.h"
-#include "fem_process/step_matrix.h"
 #include "tests/support/fem_support.h"
+#include "tests/support/lug_system.h"
 
 // Several right-hand sides side by side: factor panels, the rest factor, PCG, the interface
 // Jacobian.
@@ -72,22 +71,6 @@ TEST(FactorPanelsOfEight, ProductsAreThoseOfEachVectorAlone) {
   }
 }
 
-/// The step matrix of the standard lug at rest, 1455 tets.
-struct LugSystem {
-  LugSystem()
-      : model(
-            benchmark_params(benchmark_case("soft"), data_file("lug_1k.msh"), "clamp", "eye", {})) {
-    Eigen::VectorXd f_int;
-    BlockValues K;
-    model.formulation->evaluate(model.reference(), f_int, K);
-    ThreadTeam alone;
-    const double h_s = to_seconds(model.params.micro_step);
-    combine(model.interior, 1.0 / h_s, model.mass, h_s, &K, A, alone);
-  }
-  Model model;
-  BlockValues A;
-};
-
 constexpr PreconditionerKind kKinds[] = {PreconditionerKind::BlockJacobi,
                                          PreconditionerKind::RestFactor,
                                          PreconditionerKind::WarpedRestFactor};
@@ -99,12 +82,52 @@ std::vector<NodeRotation> unturned(std::size_t nodes) {
   return std::vector<NodeRotation>(nodes, one);
 }
 
+// What a cap leaves: told as a failure, or taken with its residual, which is that of the matrix.
+TEST(PcgSolver, TakesWhatItsCapHasReachedOnlyWhereItMay) {
+  const LugSystem lug;
+  const Eigen::VectorXd b = waves(3 * lug.pattern().rows(), 1);
+  SolverParams params{.kind = SolverKind::Pcg, .tolerance = 1e-12, .max_iterations = 5};
+  for (const bool accepts : {false, true}) {
+    params.accept_unconverged = accepts;
+    PcgSolver solver(params, lug.pattern(), nullptr, nullptr);
+    ASSERT_EQ(solver.factorize(lug.A).outcome, Outcome::Done);
+    Eigen::MatrixXd x = b;
+    const SolveReport report = solver.solve(x, Eigen::VectorXd::Constant(1, b.norm()));
+    EXPECT_EQ(report.outcome, accepts ? Outcome::Done : Outcome::NotConverged);
+    EXPECT_EQ(report.message.empty(), accepts);
+    EXPECT_EQ(report.iterations, 5);
+    const double left = (b - multiply(lug.pattern(), lug.A, x.col(0))).norm();
+    EXPECT_GT(left, 1e-6 * b.norm());  // it was not solved
+    EXPECT_NEAR(report.residual, left, 1e-9 * b.norm());
+
+    Eigen::MatrixXd columns = waves(b.size(), 3);
+    const Eigen::VectorXd norms = columns.colwise().norm();
+    const SolveReport several = solver.solve(columns, norms);
+    EXPECT_EQ(several.outcome, report.outcome);
+    EXPECT_EQ(several.iterations, 15);
+  }
+}
+
+// No number is no solution, whatever may be taken.
+TEST(PcgSolver, NeverTakesWhatIsNoNumber) {
+  const LugSystem lug;
+  PcgSolver solver({.kind = SolverKind::Pcg, .max_iterations = 5, .accept_unconverged = true},
+                   lug.pattern(), nullptr, nullptr);
+  ASSERT_EQ(solver.factorize(lug.A).outcome, Outcome::Done);
+  for (const Eigen::Index columns : {1, 3}) {
+    Eigen::MatrixXd x = waves(3 * lug.pattern().rows(), columns);
+    x(7, 0) = std::nan("");
+    const Eigen::VectorXd norms = Eigen::VectorXd::Ones(columns);
+    EXPECT_NE(solver.solve(x, norms).outcome, Outcome::Done) << columns;
+  }
+}
+
 // Each column ends at its residual's tolerance, measured with the matrix itself (the recursion's
 // own drift is 1e-16 κ); what the rough solve says is left is the residual. Columns of widely
 // different sizes and one of zeros do not disturb the others.
 TEST(PcgColumns, EveryColumnIsSolvedToTheTolerance) {
   const LugSystem lug;
-  const BlockPattern& pattern = lug.model.interior.pattern;
+  const BlockPattern& pattern = lug.pattern();
   const RestFactor rest(pattern, lug.A);
   for (const PreconditionerKind kind : kKinds) {
     const double tolerance = 1e-8;
@@ -134,7 +157,7 @@ TEST(PcgColumns, EveryColumnIsSolvedToTheTolerance) {
 
 TEST(PcgColumns, GiveTheSameBitsForAnyThreadsAndVectorInstructions) {
   const LugSystem lug;
-  const BlockPattern& pattern = lug.model.interior.pattern;
+  const BlockPattern& pattern = lug.pattern();
   const RestFactor rest(pattern, lug.A);
   const Eigen::MatrixXd b = waves(3 * pattern.rows(), 6);
   const Eigen::VectorXd norms = b.colwise().norm();

@@ -10,33 +10,14 @@
 #include "fem_process/pcg_solver.h"
 #include "fem_process/rest_multigrid.h"
 #include "fem_process/step_benchmark.h"
-#include "fem_process/step_matrix.h"
 #include "tests/support/fem_support.h"
+#include "tests/support/lug_system.h"
 
 // Multigrid as a preconditioner: order in space, lattices, sweeps, the cycle, steps solved with it.
 namespace tandem::fem {
 namespace {
 
 using namespace testing;
-
-/// The step matrix of the standard lug at rest, 1455 tets.
-struct RestSystem {
-  RestSystem()
-      : model(
-            benchmark_params(benchmark_case("soft"), data_file("lug_1k.msh"), "clamp", "eye", {})) {
-    Eigen::VectorXd f_int;
-    BlockValues K;
-    model.formulation->evaluate(model.reference(), f_int, K);
-    ThreadTeam alone;
-    const double h_s = to_seconds(model.params.micro_step);
-    combine(model.interior, 1.0 / h_s, model.mass, h_s, &K, A, alone);
-    for (int node : model.free) X.push_back(model.mesh.X[static_cast<std::size_t>(node)]);
-  }
-  [[nodiscard]] const BlockPattern& pattern() const { return model.interior.pattern; }
-  Model model;
-  BlockValues A;
-  std::vector<Eigen::Vector3d> X;
-};
 
 Eigen::VectorXd ripples(Eigen::Index n, double phase) {
   Eigen::VectorXd x(n);
@@ -66,7 +47,7 @@ TEST(NearOrder, HoldsEveryPositionOnceAndKeepsNeighboursTogether) {
 
 // Trilinear functions hold the linear ones: Σ w x_lattice = x, to round-off of the positions.
 TEST(Lattice, HoldsLinearDisplacements) {
-  const RestSystem lug;
+  const LugSystem lug;
   const Lattice lattice(lug.X, 0.02);
   ASSERT_LT(lattice.positions().size(), lug.X.size() / 2);
   for (std::size_t i = 0; i < lug.X.size(); ++i) {
@@ -85,7 +66,7 @@ TEST(Lattice, HoldsLinearDisplacements) {
 
 // uᵀ (Pᵀ A P) u = (P u)ᵀ A (P u), the diagonal's 1e-6 apart.
 TEST(Lattice, ProjectsTheEnergy) {
-  const RestSystem lug;
+  const LugSystem lug;
   const Lattice lattice(lug.X, 0.02);
   BlockPattern pattern;
   BlockValues A;
@@ -121,7 +102,7 @@ std::vector<Padded4> padded4(const Eigen::VectorXd& x) {
 // both as the matrix itself says, in the sweeps' order and scale. Single precision: 6e-8 for each
 // of some 40 terms.
 TEST(GaussSeidel, LeavesTheResidualAndSolvesRowByRow) {
-  const RestSystem lug;
+  const LugSystem lug;
   const BlockPattern& pattern = lug.pattern();
   const GaussSeidel sweeps(pattern, lug.A, near_order(lug.X));
   const std::size_t n = sweeps.nodes();
@@ -187,7 +168,7 @@ Eigen::VectorXd apply(const RestInverse& inverse, const Eigen::VectorXd& right, 
 // round-off. Their ratio κ bounds conjugate gradients, which gain (√κ − 1)/(√κ + 1) a step: a digit
 // in three steps at worst is κ ≤ 7.4. (The lug's is 3.7 with two levels and with three.)
 TEST(RestMultigrid, IsSymmetricPositiveDefiniteAndNearTheInverse) {
-  const RestSystem lug;
+  const LugSystem lug;
   for (const std::size_t factorised : {std::size_t{5000}, std::size_t{20}}) {
     const RestMultigrid inverse(lug.pattern(), lug.A, lug.X, factorised);
     EXPECT_EQ(inverse.levels(), factorised == 20 ? 2U : 1U);
@@ -210,7 +191,7 @@ TEST(RestMultigrid, IsSymmetricPositiveDefiniteAndNearTheInverse) {
 }
 
 TEST(RestMultigrid, GivesTheSameBitsForAnyThreadsAndVectorInstructions) {
-  const RestSystem lug;
+  const LugSystem lug;
   const RestMultigrid inverse(lug.pattern(), lug.A, lug.X, 20);
   const Eigen::VectorXd right = ripples(3 * lug.pattern().rows(), 2.0);
   const Eigen::VectorXd alone = apply(inverse, right, right.norm(), 1);
@@ -225,7 +206,7 @@ TEST(RestMultigrid, GivesTheSameBitsForAnyThreadsAndVectorInstructions) {
 
 // Columns side by side end at the tolerance like one alone.
 TEST(RestMultigrid, SolvesSeveralColumns) {
-  const RestSystem lug;
+  const LugSystem lug;
   const RestMultigrid rest(lug.pattern(), lug.A, lug.X);
   const double tolerance = 1e-8;
   PcgSolver solver({.kind = SolverKind::Pcg, .tolerance = tolerance}, lug.pattern(), &rest,
