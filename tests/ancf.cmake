@@ -1,5 +1,5 @@
 # Tests of the beams and tracks of the flexible side, one executable a line.
-tandem_test(ancf_unit SOURCES unit/ancf_connections.cpp unit/ancf_contact.cpp unit/ancf_element.cpp LIBS fem LABELS unit)
+tandem_test(ancf_unit SOURCES unit/ancf/connections.cpp unit/ancf/contact.cpp unit/ancf/element.cpp LIBS fem LABELS unit)
 tandem_test(ancf_reference SOURCES reference/ancf_dynamics.cpp reference/ancf_rings.cpp reference/ancf_statics.cpp LIBS fem LABELS reference)
 tandem_test(ancf_contract SOURCES contract/ancf_contract.cpp LIBS fem LABELS contract)
 

@@ -5,8 +5,8 @@ target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE
 target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 tandem_test(coupled_unit
-  SOURCES unit/advise_candidates.cpp unit/advise_choice.cpp unit/body_rates.cpp unit/check_warnings.cpp unit/chosen_settings.cpp unit/compare_price.cpp unit/coupled_free_pair.cpp unit/coupled_svg_plot.cpp unit/interface_ratios.cpp unit/newmark_bound.cpp
-    unit/run_folder.cpp unit/verdict.cpp
+  SOURCES unit/advise/candidates.cpp unit/advise/choice.cpp unit/orchestrator/body_rates.cpp unit/orchestrator/check_warnings.cpp unit/orchestrator/chosen_settings.cpp unit/orchestrator/compare_price.cpp unit/coupled/free_pair.cpp unit/orchestrator/svg_plot.cpp unit/advise/interface_ratios.cpp unit/fem/newmark_bound.cpp
+    unit/orchestrator/run_folder.cpp unit/orchestrator/verdict.cpp
   LIBS coupled_support nlohmann_json::nlohmann_json LABELS unit)
 tandem_test(coupled_convergence
   SOURCES convergence/coupled_adaptive.cpp convergence/coupled_closed_loop.cpp convergence/coupled_free_pair.cpp convergence/coupled_tumbling.cpp convergence/coupled_orders.cpp

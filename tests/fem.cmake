@@ -1,13 +1,13 @@
 # Tests of fem, one executable a line.
 tandem_test(fem_unit
-  SOURCES unit/fem_amplification.cpp unit/fem_body.cpp unit/fem_columns.cpp unit/fem_commands.cpp unit/fem_element.cpp unit/fem_formulations.cpp unit/fem_interface_jacobian.cpp unit/fem_keys.cpp
-    unit/fem_materials.cpp unit/fem_mesh.cpp unit/fem_micro_steps.cpp unit/fem_nearby_solver.cpp unit/fem_momentum.cpp unit/fem_quasi_static.cpp unit/fem_solvers.cpp unit/fem_tet10.cpp
-    unit/fem_tet10_mesh.cpp unit/fem_vtu.cpp unit/fem_tet10_lanes.cpp
+  SOURCES unit/fem/amplification.cpp unit/fem/body.cpp unit/fem/columns.cpp unit/fem/commands.cpp unit/fem/element.cpp unit/fem/formulations.cpp unit/fem/interface_jacobian.cpp unit/fem/keys.cpp
+    unit/fem/materials.cpp unit/fem/mesh.cpp unit/fem/micro_steps.cpp unit/fem/nearby_solver.cpp unit/fem/momentum.cpp unit/fem/quasi_static.cpp unit/fem/solvers.cpp unit/fem/tet10.cpp
+    unit/fem/tet10_mesh.cpp unit/fem/vtu.cpp unit/fem/tet10_lanes.cpp
   LIBS fem LABELS unit)
-tandem_test(fem_ports SOURCES unit/fem_port_jacobian.cpp unit/fem_port_refusals.cpp unit/fem_port_relations.cpp unit/fem_ports.cpp LIBS fem LABELS unit)
-tandem_test(fem_energy SOURCES unit/fem_energy.cpp LIBS fem LABELS unit)
-tandem_test(fem_speed SOURCES unit/fem_multigrid.cpp unit/fem_speed.cpp LIBS fem LABELS unit)
-tandem_test(fem_reduced SOURCES unit/fem_floating_frame.cpp unit/fem_reduction.cpp LIBS fem LABELS unit)
+tandem_test(fem_ports SOURCES unit/fem/port_jacobian.cpp unit/fem/port_refusals.cpp unit/fem/port_relations.cpp unit/fem/ports.cpp LIBS fem LABELS unit)
+tandem_test(fem_energy SOURCES unit/fem/energy.cpp LIBS fem LABELS unit)
+tandem_test(fem_speed SOURCES unit/fem/multigrid.cpp unit/fem/speed.cpp LIBS fem LABELS unit)
+tandem_test(fem_reduced SOURCES unit/fem/floating_frame.cpp unit/fem/reduction.cpp LIBS fem LABELS unit)
 tandem_test(fem_contract SOURCES contract/fem_contract.cpp contract/fem_reduced_contract.cpp LIBS fem LABELS contract)
 tandem_test(fem_reference
   SOURCES reference/fem_materials_reference.cpp reference/fem_modes.cpp reference/fem_reference.cpp reference/fem_statics.cpp

@@ -1,8 +1,8 @@
 # Tests of mbs, one executable a line.
 tandem_test(test_mbs
-  SOURCES unit/mbs_drift_test.cpp unit/mbs_energy_test.cpp unit/mbs_keys_test.cpp unit/mbs_motion_test.cpp
-    unit/mbs_motors_test.cpp unit/mbs_params_test.cpp unit/mbs_softness_test.cpp unit/mbs_springs_test.cpp
-    unit/mbs_state_test.cpp unit/mbs_stops_test.cpp unit/mbs_wrench_rule_test.cpp
+  SOURCES unit/mbs/drift.cpp unit/mbs/energy.cpp unit/mbs/keys.cpp unit/mbs/motion.cpp
+    unit/mbs/motors.cpp unit/mbs/params.cpp unit/mbs/softness.cpp unit/mbs/springs.cpp
+    unit/mbs/state.cpp unit/mbs/stops.cpp unit/mbs/wrench_rule.cpp
   LIBS mbs
   LABELS unit)
 tandem_test(test_mbs_contract

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "fem_process/ancf/section_measures.h"
-#include "fem_process/simd.h"
+#include "fem_process/kernels/simd.h"
 
 namespace tandem::fem::ancf {
 namespace {

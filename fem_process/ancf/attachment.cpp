@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <set>
 
-#include "fem_process/ancf/contact_law.h"
+#include "fem_process/kernels/cross_matrix.h"
 
 namespace tandem::fem::ancf {
 

@@ -1,5 +1,5 @@
 #include "fem_process/ancf/beam_step.h"
-#include "fem_process/interface_work.h"
+#include "fem_process/transient/interface_work.h"
 
 namespace tandem::fem::ancf {
 bool BeamStep::note_forces(const MotionSet& motions, BeamState& state, ContactSums& sums) const {

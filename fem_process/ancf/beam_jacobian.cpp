@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 
 #include "fem_process/ancf/beam_step.h"
+#include "fem_process/kernels/cross_matrix.h"
 
 namespace tandem::fem::ancf {
 namespace {

@@ -6,7 +6,7 @@
 #include "fem_process/ancf/assumed_kernel.h"
 #include "fem_process/ancf/point_stress.h"
 #include "fem_process/ancf/section_vectors.h"
-#include "fem_process/simd.h"
+#include "fem_process/kernels/simd.h"
 
 namespace tandem::fem::ancf {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "fem_process/vtk_xml.h"
+#include "fem_process/output/vtk_xml.h"
 
 namespace tandem::fem::ancf {
 namespace {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fem_process/kernels/cross_matrix.h"
+
 namespace tandem::fem::ancf {
 namespace {
 
@@ -57,12 +59,6 @@ void add_friction(const ContactParams& params, const ContactPoint& point,
 }
 
 }  // namespace
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
-  Eigen::Matrix3d m;
-  m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
-  return m;
-}
 
 bool traction(const ContactParams& params, const ContactPoint& point, bool derivatives,
               Traction& out) {

@@ -6,9 +6,6 @@
 
 namespace tandem::fem::ancf {
 
-/// a× as a matrix.
-[[nodiscard]] Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a);
-
 /// Constants of distributed contact, per unit of stress-free area of the band.
 struct ContactParams {
   double stiffness_N_per_m3 = 0.0;         ///< k: pressure per depth

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "fem_process/kernels/cross_matrix.h"
+
 namespace tandem::fem::ancf {
 namespace {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "fem_process/polar_lanes.h"
-#include "fem_process/simd.h"
+#include "fem_process/kernels/polar_lanes.h"
+#include "fem_process/kernels/simd.h"
 
 namespace tandem::fem::ancf {
 

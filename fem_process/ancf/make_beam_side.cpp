@@ -5,7 +5,7 @@
 #include "fem_process/ancf/ancf_keys.h"
 #include "fem_process/ancf/beam_csv.h"
 #include "fem_process/ancf/beam_vtu.h"
-#include "fem_process/vtk_xml.h"
+#include "fem_process/output/vtk_xml.h"
 #include "protocol/scenario/common_keys.h"
 
 namespace tandem::fem::ancf {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "fem_process/ancf/ancf_keys.h"
-#include "fem_process/micro_step.h"
+#include "fem_process/transient/micro_step.h"
 #include "protocol/contract/error.h"
 #include "protocol/scenario/common_keys.h"
 #include "protocol/scenario/law.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "orchestrator/model.h"
+#include "orchestrator/scenario/model.h"
 
 namespace tandem::orchestrator {
 

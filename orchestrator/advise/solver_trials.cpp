@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "orchestrator/advise/candidates.h"
-#include "orchestrator/observed_run.h"
+#include "orchestrator/run/observed_run.h"
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "orchestrator/csv_table.h"
-#include "orchestrator/summary_number.h"
+#include "orchestrator/files/csv_table.h"
+#include "orchestrator/files/summary_number.h"
 
 namespace tandem::orchestrator {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "orchestrator/advise/choice.h"
 #include "orchestrator/advise/load_trial.h"
-#include "orchestrator/observed_run.h"
+#include "orchestrator/run/observed_run.h"
 
 namespace tandem::orchestrator {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "orchestrator/observed_run.h"
+#include "orchestrator/run/observed_run.h"
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "orchestrator/body_rates.h"
-#include "orchestrator/summary_number.h"
+#include "orchestrator/files/summary_number.h"
+#include "orchestrator/verdict/body_rates.h"
 
 namespace tandem::orchestrator {
 namespace {

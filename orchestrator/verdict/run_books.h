@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
-#include "orchestrator/model.h"
+#include "orchestrator/scenario/model.h"
 #include "orchestrator/verdict/verdict.h"
 #include "protocol/contract/subsystem.h"
 #include "protocol/driver/energy_range.h"

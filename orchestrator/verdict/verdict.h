@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "fem_process/elastic_turn.h"
+#include "fem_process/turning/elastic_turn.h"
 
 namespace tandem::orchestrator {
 

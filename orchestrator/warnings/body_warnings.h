@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fem_process/model.h"
+#include "fem_process/body/model.h"
 #include "orchestrator/warnings/finding.h"
 #include "protocol/contract/port.h"
 

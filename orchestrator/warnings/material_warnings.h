@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "fem_process/model.h"
+#include "fem_process/body/model.h"
 #include "orchestrator/warnings/finding.h"
 
 namespace tandem::orchestrator {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mbs_process/params.h"
-#include "orchestrator/model.h"
+#include "orchestrator/scenario/model.h"
 #include "orchestrator/warnings/finding.h"
 
 namespace tandem::orchestrator {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "fem_process/highest_frequency.h"
+#include "fem_process/reduced/highest_frequency.h"
 #include "mbs_process/rigid_world.h"
 
 namespace tandem::orchestrator {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "fem_process/model.h"
+#include "fem_process/body/model.h"
 #include "mbs_process/params.h"
-#include "orchestrator/model.h"
+#include "orchestrator/scenario/model.h"
 #include "orchestrator/warnings/finding.h"
 #include "protocol/contract/port.h"
 

@@ -9,11 +9,11 @@
 
 #include "protocol/contract/error.h"
 #include "protocol/contract/hash.h"
+#include "protocol/driver/journaled_side.h"
 #include "protocol/schemes/alternation.h"
 #include "protocol/schemes/divergence_monitor.h"
 #include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/step_controller.h"
-#include "protocol/wire/journaled_side.h"
 
 namespace tandem {
 namespace {

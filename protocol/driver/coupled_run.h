@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "protocol/driver/command_source.h"
+#include "protocol/driver/metered_side.h"
 #include "protocol/driver/run_report.h"
 #include "protocol/scenario/common_keys.h"
 #include "protocol/schemes/coupling_params.h"
-#include "protocol/schemes/metered_side.h"
 #include "protocol/schemes/scheme.h"
 #include "protocol/wire/journal.h"
 

@@ -43,9 +43,9 @@ TEST(ArchitectureTree, HoldsTheWholeRepository) {
 TEST(ArchitectureIncludes, PointOneWay) { expect_none(find_forbidden_includes(repository())); }
 
 TEST(ArchitectureIncludes, SidesThatIncludeEachOtherAreFound) {
-  expect_one(
-      find_forbidden_includes({{"mbs_process/a.cpp", {"", "#include \"fem_process/model.h\""}}}),
-      "mbs_process/a.cpp:2");
+  expect_one(find_forbidden_includes(
+                 {{"mbs_process/a.cpp", {"", "#include \"fem_process/body/model.h\""}}}),
+             "mbs_process/a.cpp:2");
   expect_one(find_forbidden_includes({{"fem_process/a.h", {"#include \"mbs_process/state.h\""}}}),
              "fem_process/a.h:1");
 }
@@ -55,11 +55,33 @@ TEST(ArchitectureIncludes, UpwardAndRelativeOnesAreFound) {
                  {{"protocol/schemes/a.cpp", {"  #  include \"protocol/wire/bus.h\""}}}),
              "protocol/schemes/a.cpp:1");
   expect_one(
-      find_forbidden_includes({{"protocol/contract/a.h", {"#include \"orchestrator/run.h\""}}}),
+      find_forbidden_includes({{"protocol/contract/a.h", {"#include \"orchestrator/run/run.h\""}}}),
       "protocol/contract/a.h:1");
   expect_one(find_forbidden_includes({{"fem_process/a.cpp", {"#include \"../mbs_process/x.h\""}}}),
              "fem_process/a.cpp:1");
   expect_one(find_forbidden_includes({{"helpers/a.cpp", {}}}), "helpers/a.cpp");
+}
+
+TEST(ArchitectureRooms, UseThoseBeforeThem) { expect_none(find_misplaced_rooms(repository())); }
+
+TEST(ArchitectureRooms, IncludesOfLaterRoomsAndFilesWithoutARoomAreFound) {
+  const std::string mesh = "#include \"fem_process/mesh/mesh.h\"";
+  expect_none(find_misplaced_rooms({{"fem_process/elements/a.cpp", {mesh}}}));
+  expect_none(find_misplaced_rooms({{"fem_process/mesh/a.cpp", {mesh}}}));
+  expect_one(find_misplaced_rooms({{"fem_process/kernels/a.cpp", {"", mesh}}}),
+             "fem_process/kernels/a.cpp:2");
+  expect_one(find_misplaced_rooms({{"fem_process/a.cpp", {}}}), "fem_process/a.cpp");
+  expect_one(find_misplaced_rooms({{"orchestrator/attic/a.cpp", {}}}), "orchestrator/attic/");
+  expect_one(find_misplaced_rooms(
+                 {{"orchestrator/run/a.h", {"#include \"orchestrator/commands/commands.h\""}}}),
+             "orchestrator/run/a.h:1");
+}
+
+TEST(ArchitectureRooms, AreToldInTheirOrder) { expect_none(find_untold_rooms(repository())); }
+
+TEST(ArchitectureRooms, UntoldOnesAreFound) {
+  EXPECT_EQ(find_untold_rooms({}).size(), 2U);
+  EXPECT_EQ(find_untold_rooms({{"orchestrator/README.md", {"# Rooms", "## files"}}}).size(), 2U);
 }
 
 TEST(ArchitectureLibraries, StayWhereTheyAreConfined) {
@@ -70,8 +92,8 @@ TEST(ArchitectureLibraries, LeaksAreFound) {
   for (const char* header : {"ode/ode.h", "lcm/lcm.h", "tandem_wire/reply_t.hpp", "cholmod.h",
                              "umfpack.h", "yaml-cpp/yaml.h"}) {
     const std::string include = std::string("#include <") + header + ">";
-    expect_one(find_leaking_libraries({{"fem_process/model.h", {include}}}),
-               "fem_process/model.h:1");
+    expect_one(find_leaking_libraries({{"fem_process/body/model.h", {include}}}),
+               "fem_process/body/model.h:1");
     expect_none(find_leaking_libraries({{"tests/unit/a.cpp", {include}}}));
   }
   expect_none(find_leaking_libraries({{"mbs_process/ode_world.cpp", {"#include <ode/ode.h>"}}}));
@@ -96,7 +118,7 @@ TEST(ArchitectureBuild, EverySourceIsBuilt) { expect_none(find_unbuilt_sources(r
 
 TEST(ArchitectureBuild, SourcesThatNobodyBuildsAreFound) {
   const SourceFile cmake{"tests/fem.cmake", {"  SOURCES unit/fem_mesh.cpp", "  LIBS fem"}};
-  expect_none(find_unbuilt_sources({cmake, {"tests/unit/fem_mesh.cpp", {}}}));
+  expect_none(find_unbuilt_sources({cmake, {"tests/unit/fem/mesh.cpp", {}}}));
   expect_one(find_unbuilt_sources({cmake, {"tests/unit/mesh.cpp", {}}}), "tests/unit/mesh.cpp");
   // Named by the CMake file of another folder: not the same source.
   expect_one(find_unbuilt_sources({cmake, {"fem_process/fem_mesh.cpp", {}}}), "fem_process/");

@@ -34,6 +34,32 @@ const std::vector<Layer>& layers() {
   return kLayers;
 }
 
+/// The rooms of a folder, lower ones first: each may include those before it.
+struct House {
+  std::string_view folder;
+  std::vector<std::string_view> rooms;
+};
+const std::vector<House>& houses() {
+  static const std::vector<House> kHouses{
+      {"fem_process/",
+       {"kernels", "mesh", "matrix", "material", "elements", "solvers", "body", "ports", "turning",
+        "transient", "reduced", "output", "ancf", "keys", "sides"}},
+      {"orchestrator/",
+       {"files", "process", "scenario", "verdict", "run", "record", "page", "warnings", "study",
+        "advise", "bench", "commands"}}};
+  return kHouses;
+}
+
+/// Which room of a house a path lies in; the number of rooms if in none.
+std::size_t room_of(const House& house, std::string_view path) {
+  path.remove_prefix(house.folder.size());
+  const std::string_view room = path.substr(0, path.find('/'));
+  const auto found = room.size() == path.size()
+                         ? house.rooms.end()
+                         : std::find(house.rooms.begin(), house.rooms.end(), room);
+  return static_cast<std::size_t>(found - house.rooms.begin());
+}
+
 /// Headers beginning with `prefix` belong to files whose paths begin with one of `homes`. Tests may
 /// use them too: they check against the library itself.
 struct Confinement {
@@ -45,10 +71,9 @@ const std::vector<Confinement>& confinements() {
       {"ode/", {"mbs_process/ode_world.", "mbs_process/ode_joint."}},
       {"lcm/", {"protocol/wire/"}},
       {"tandem_wire/", {"protocol/wire/"}},
-      {"cholmod", {"fem_process/cholmod_solver."}},
-      {"umfpack", {"fem_process/umfpack_solver."}},
+      {"cholmod", {"fem_process/solvers/cholmod_solver."}},
       {"klu", {"fem_process/ancf/klu_solver."}},
-      {"Spectra/", {"fem_process/modal_analysis."}},
+      {"Spectra/", {"fem_process/reduced/modal_analysis."}},
       {"yaml-cpp/", {"protocol/scenario/yaml_tree."}},
       {"CLI/", {"orchestrator/", "protocol/driver/side_process."}}};
   return kConfinements;
@@ -89,6 +114,48 @@ Findings find_forbidden_includes(const std::vector<SourceFile>& tree) {
       findings.push_back(
           fmt::format("{}:{}: {} must not include \"{}\"", file.path, line, layer->folder, name));
     });
+  }
+  return findings;
+}
+
+Findings find_misplaced_rooms(const std::vector<SourceFile>& tree) {
+  Findings findings;
+  for (const SourceFile& file : tree) {
+    const auto house = std::find_if(houses().begin(), houses().end(), [&](const House& candidate) {
+      return file.path.starts_with(candidate.folder);
+    });
+    if (!is_cpp(file) || house == houses().end()) continue;
+    const std::size_t own = room_of(*house, file.path);
+    if (own == house->rooms.size()) {
+      findings.push_back(fmt::format("{}: stands in no room of {}", file.path, house->folder));
+      continue;
+    }
+    for_each_include(file, [&](std::size_t line, const std::string& name, bool quoted) {
+      if (!quoted || !name.starts_with(house->folder) || room_of(*house, name) <= own) return;
+      findings.push_back(fmt::format("{}:{}: {} must not include \"{}\"", file.path, line,
+                                     house->rooms[own], name));
+    });
+  }
+  return findings;
+}
+
+Findings find_untold_rooms(const std::vector<SourceFile>& tree) {
+  Findings findings;
+  for (const House& house : houses()) {
+    const std::string page = std::string(house.folder) + "README.md";
+    const auto file = std::find_if(tree.begin(), tree.end(), [&](const SourceFile& candidate) {
+      return candidate.path == page;
+    });
+    std::string headings, expected;
+    if (file != tree.end()) {
+      for (const std::string& line : file->lines) {
+        if (line.starts_with("## ")) headings += " " + line.substr(3);
+      }
+    }
+    for (std::string_view room : house.rooms) expected += " " + std::string(room);
+    if (headings == expected) continue;
+    findings.push_back(
+        fmt::format("{}: its headings must be the rooms, lower ones first:{}", page, expected));
   }
   return findings;
 }

@@ -24,6 +24,13 @@ using Findings = std::vector<std::string>;
 /// other.
 [[nodiscard]] Findings find_forbidden_includes(const std::vector<SourceFile>& tree);
 
+/// fem_process and orchestrator consist of rooms (sub-folders) in an order: a file lies in one, and
+/// includes only its own and those before it.
+[[nodiscard]] Findings find_misplaced_rooms(const std::vector<SourceFile>& tree);
+
+/// The README of such a folder has one heading a room, in that order.
+[[nodiscard]] Findings find_untold_rooms(const std::vector<SourceFile>& tree);
+
 /// A third party's headers appear only in the files that confine it.
 [[nodiscard]] Findings find_leaking_libraries(const std::vector<SourceFile>& tree);
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "orchestrator/observed_run.h"
+#include "orchestrator/run/observed_run.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::orchestrator {

@@ -7,10 +7,10 @@
 #include <string>
 #include <utility>
 
-#include "fem_process/flexible_body.h"
-#include "fem_process/rest_factor.h"
-#include "fem_process/step_benchmark.h"
-#include "fem_process/step_matrix.h"
+#include "fem_process/sides/flexible_body.h"
+#include "fem_process/sides/step_benchmark.h"
+#include "fem_process/solvers/rest_factor.h"
+#include "fem_process/transient/step_matrix.h"
 #include "tests/support/fem_box.h"
 
 namespace tandem::fem {

@@ -9,8 +9,8 @@
 #include <exception>
 #include <fstream>
 
-#include "fem_process/static_analysis.h"
-#include "orchestrator/svg_plot.h"
+#include "fem_process/transient/static_analysis.h"
+#include "orchestrator/page/svg_plot.h"
 #include "protocol/contract/error.h"
 #include "tests/support/fem_reference_cases.h"
 

@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "fem_process/fem_keys.h"
-#include "fem_process/highest_frequency.h"
-#include "orchestrator/run.h"
-#include "orchestrator/svg_plot.h"
+#include "fem_process/keys/fem_keys.h"
+#include "fem_process/reduced/highest_frequency.h"
+#include "orchestrator/page/svg_plot.h"
+#include "orchestrator/run/run.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::orchestrator {

@@ -9,7 +9,7 @@
 #include <exception>
 #include <fstream>
 
-#include "orchestrator/svg_plot.h"
+#include "orchestrator/page/svg_plot.h"
 #include "tests/support/reduction_case.h"
 
 namespace tandem::coupled_test {

@@ -20,12 +20,12 @@
 #include <utility>
 #include <vector>
 
-#include "fem_process/make_model.h"
+#include "fem_process/sides/make_model.h"
 #include "mbs_process/make_side.h"
 #include "mbs_process/rigid_world.h"
-#include "orchestrator/compare.h"
-#include "orchestrator/exchange_benchmark.h"
-#include "orchestrator/observed_run.h"
+#include "orchestrator/bench/exchange_benchmark.h"
+#include "orchestrator/run/observed_run.h"
+#include "orchestrator/study/compare.h"
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <string>
 
-#include "orchestrator/svg_plot.h"
+#include "orchestrator/page/svg_plot.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
 #include "tests/support/truth_case.h"

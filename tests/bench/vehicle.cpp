@@ -11,7 +11,7 @@
 #include <fstream>
 #include <vector>
 
-#include "orchestrator/svg_plot.h"
+#include "orchestrator/page/svg_plot.h"
 #include "tests/support/ancf_support.h"
 #include "tests/support/beam_pair.h"
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "fem_process/reduced_body.h"
+#include "fem_process/reduced/reduced_body.h"
 #include "tests/support/fem_support.h"
 
 namespace tandem::fem {

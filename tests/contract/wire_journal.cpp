@@ -2,9 +2,9 @@
 
 #include <thread>
 
+#include "protocol/driver/journaled_side.h"
 #include "protocol/wire/journal_receiver.h"
 #include "protocol/wire/journal_sender.h"
-#include "protocol/wire/journaled_side.h"
 #include "tests/support/wire_mock_sides.h"
 
 namespace tandem::wire {

@@ -3,10 +3,10 @@
 #include <Eigen/Dense>
 #include <cmath>
 
-#include "fem_process/cholmod_solver.h"
-#include "fem_process/make_formulation.h"
-#include "fem_process/node_vectors.h"
-#include "fem_process/tet10.h"
+#include "fem_process/elements/make_formulation.h"
+#include "fem_process/matrix/node_vectors.h"
+#include "fem_process/mesh/tet10.h"
+#include "fem_process/solvers/cholmod_solver.h"
 #include "tests/support/fem_box.h"
 #include "tests/support/fem_support.h"
 

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <numbers>
 
-#include "orchestrator/fem_command.h"
-#include "orchestrator/scenario_table.h"
+#include "orchestrator/commands/fem_command.h"
+#include "orchestrator/scenario/scenario_table.h"
 #include "protocol/contract/error.h"
 #include "tests/support/ancf_support.h"
 

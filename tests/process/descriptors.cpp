@@ -9,9 +9,9 @@
 #include <functional>
 #include <string>
 
-#include "orchestrator/ping_pong.h"
-#include "orchestrator/run_directory.h"
-#include "orchestrator/text_file.h"
+#include "orchestrator/bench/ping_pong.h"
+#include "orchestrator/files/run_directory.h"
+#include "orchestrator/files/text_file.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
 #include "protocol/wire/bus.h"

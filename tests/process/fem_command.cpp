@@ -1,4 +1,4 @@
-#include "orchestrator/fem_command.h"
+#include "orchestrator/commands/fem_command.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <regex>
 
-#include "orchestrator/scenario_table.h"
+#include "orchestrator/scenario/scenario_table.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::orchestrator {

@@ -6,10 +6,10 @@
 #include <sstream>
 #include <vector>
 
-#include "fem_process/component_modes.h"
-#include "fem_process/fem_keys.h"
-#include "fem_process/flexible_body.h"
-#include "fem_process/highest_frequency.h"
+#include "fem_process/keys/fem_keys.h"
+#include "fem_process/reduced/component_modes.h"
+#include "fem_process/reduced/highest_frequency.h"
+#include "fem_process/sides/flexible_body.h"
 #include "tests/support/coupled_pair.h"
 
 namespace tandem::coupled_test {

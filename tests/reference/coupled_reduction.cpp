@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "fem_process/elastic_turn.h"
+#include "fem_process/turning/elastic_turn.h"
 #include "tests/support/reduction_case.h"
 
 namespace tandem::coupled_test {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "fem_process/flexible_body.h"
+#include "fem_process/sides/flexible_body.h"
 #include "tests/support/coupled_pair.h"
 
 namespace tandem::coupled_test {

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "fem_process/static_analysis.h"
+#include "fem_process/transient/static_analysis.h"
 #include "tests/support/fem_box.h"
 #include "tests/support/fem_reference_cases.h"
 #include "tests/support/fem_support.h"

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "fem_process/modal_analysis.h"
+#include "fem_process/reduced/modal_analysis.h"
 #include "protocol/contract/error.h"
 #include "tests/support/fem_reference_cases.h"
 #include "tests/support/fem_support.h"

@@ -8,7 +8,7 @@
 #include <map>
 #include <sstream>
 
-#include "fem_process/corotational_tet4.h"
+#include "fem_process/elements/corotational_tet4.h"
 #include "tests/support/fem_support.h"
 
 namespace tandem::fem {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "fem_process/static_analysis.h"
+#include "fem_process/transient/static_analysis.h"
 #include "protocol/contract/error.h"
 #include "tests/support/fem_reference_cases.h"
 

@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "fem_process/modal_analysis.h"
-#include "fem_process/static_analysis.h"
-#include "fem_process/tet10.h"
+#include "fem_process/mesh/tet10.h"
+#include "fem_process/reduced/modal_analysis.h"
+#include "fem_process/transient/static_analysis.h"
 #include "tests/support/fem_reference_cases.h"
 
 namespace tandem::fem {

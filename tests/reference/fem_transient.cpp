@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "fem_process/flexible_body.h"
+#include "fem_process/sides/flexible_body.h"
 #include "tests/support/fem_reference_cases.h"
 #include "tests/support/fem_support.h"
 

@@ -8,7 +8,7 @@
 
 #include "fem_process/ancf/beam_body.h"
 #include "mbs_process/rigid_world.h"
-#include "orchestrator/model.h"
+#include "orchestrator/scenario/model.h"
 #include "protocol/driver/coupled_run.h"
 
 namespace tandem::coupled_test {

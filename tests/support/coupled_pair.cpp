@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 
-#include "fem_process/make_side.h"
+#include "fem_process/sides/make_side.h"
 #include "mbs_process/make_side.h"
-#include "orchestrator/monolithic.h"
-#include "orchestrator/step_tables.h"
+#include "orchestrator/run/step_tables.h"
 #include "protocol/contract/error.h"
+#include "protocol/schemes/monolithic.h"
 #include "protocol/schemes/transmission_line.h"
 
 namespace tandem::coupled_test {
@@ -75,7 +75,7 @@ RunReport CoupledPair::run(orchestrator::Mode mode, const Observer& observer) {
   if (mode == orchestrator::Mode::Monolithic) {
     params.scheme_name = "monolithic";
     params.make_scheme = [](std::vector<PortInfo> ports) {
-      return std::make_unique<orchestrator::MonolithicStep>(std::move(ports));
+      return std::make_unique<MonolithicStep>(std::move(ports));
     };
   }
   ObservingSink sink(observer);

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "fem_process/flexible_side.h"
+#include "fem_process/body/flexible_side.h"
 #include "mbs_process/rigid_world.h"
-#include "orchestrator/model.h"
-#include "orchestrator/run.h"
+#include "orchestrator/run/run.h"
+#include "orchestrator/scenario/model.h"
 #include "protocol/driver/coupled_run.h"
 
 namespace tandem::coupled_test {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "fem_process/make_side.h"
+#include "fem_process/sides/make_side.h"
 #include "tests/support/fem_support.h"
 
 namespace tandem::fem::testing {

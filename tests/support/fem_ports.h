@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "fem_process/loose_ports.h"
+#include "fem_process/ports/loose_ports.h"
 #include "tests/support/fem_support.h"
 
 namespace tandem::fem::testing {

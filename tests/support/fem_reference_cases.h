@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "fem_process/params.h"
+#include "fem_process/body/params.h"
 
 namespace tandem::fem::testing {
 

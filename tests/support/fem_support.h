@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "fem_process/flexible_body.h"
+#include "fem_process/sides/flexible_body.h"
 
 namespace tandem::fem::testing {
 

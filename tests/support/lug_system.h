@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "fem_process/model.h"
-#include "fem_process/step_benchmark.h"
-#include "fem_process/step_matrix.h"
-#include "fem_process/thread_team.h"
+#include "fem_process/body/model.h"
+#include "fem_process/kernels/thread_team.h"
+#include "fem_process/sides/step_benchmark.h"
+#include "fem_process/transient/step_matrix.h"
 #include "tests/support/fem_support.h"
 
 namespace tandem::fem::testing {

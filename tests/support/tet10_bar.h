@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "fem_process/mesh.h"
+#include "fem_process/mesh/mesh.h"
 #include "tests/support/fem_support.h"
 
 namespace tandem::fem::testing {

@@ -9,10 +9,10 @@
 #include <string>
 #include <thread>
 
+#include "protocol/driver/journaled_side.h"
 #include "protocol/wire/event_log.h"
 #include "protocol/wire/journal_receiver.h"
 #include "protocol/wire/journal_sender.h"
-#include "protocol/wire/journaled_side.h"
 #include "protocol/wire/remote_side.h"
 #include "protocol/wire/server.h"
 #include "tests/support/wire_mock_sides.h"

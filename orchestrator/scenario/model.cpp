@@ -1,0 +1,114 @@
+#include "orchestrator/scenario/model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "fem_process/mesh/mesh.h"
+#include "fem_process/sides/make_model.h"
+#include "mbs_process/make_side.h"
+#include "orchestrator/scenario/chosen_settings.h"
+#include "orchestrator/scenario/nodal_scenario.h"
+#include "orchestrator/scenario/scenario_table.h"
+#include "protocol/contract/error.h"
+#include "protocol/schemes/transmission_line.h"
+
+namespace tandem::orchestrator {
+
+namespace {
+
+/// A scenario without the multibody side is one for `tandem fem`, which its defects do not say.
+scenario::Loaded load_coupled(const std::filesystem::path& file,
+                              const std::vector<scenario::Override>& overrides) {
+  try {
+    return scenario::load(file, scenario_table(), overrides);
+  } catch (const Error& error) {
+    const auto is_flexible_alone = [&] {
+      try {
+        return !scenario::load(file, fem_scenario_table(), overrides).root.has("mbs");
+      } catch (const Error&) {
+        return false;
+      }
+    };
+    if (!is_flexible_alone()) throw;
+    throw Error(error.kind(), fmt::format("{}\nWithout a section mbs it is a scenario of the "
+                                          "flexible side alone: tandem fem {}",
+                                          error.what(), file.string()));
+  }
+}
+
+/// Also with the mesh's fingerprint, so that a run folder tells which mesh it is about, and with
+/// what the scenario leaves open.
+scenario::Loaded load_complete(const std::filesystem::path& file,
+                               std::vector<scenario::Override> overrides,
+                               std::vector<scenario::Override>& chosen) {
+  overrides = with_nodes(file, std::move(overrides));
+  scenario::Loaded loaded = load_coupled(file, overrides);
+  require_mesh_file(loaded.root);
+  chosen = chosen_settings(loaded.root);
+  std::vector<scenario::Override> more = chosen;
+  const scenario::Node fem = loaded.root.section("fem");
+  if (fem.has("mesh") && !fem.section("mesh").has("checksum")) {
+    const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));
+    // In quotes: digits alone would be a number.
+    if (!checksum.empty()) more.push_back({"fem.mesh.checksum", "'" + checksum + "'"});
+  }
+  if (more.empty()) return loaded;
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return scenario::load(file, scenario_table(), overrides);
+}
+
+/// Adaptive steps are whole multiples of the shortest, which has to be one of the micro steps.
+void check_adaptive(const Model& model) {
+  const AdaptiveParams& params = model.coupling.adaptive;
+  if (!params.active()) return;
+  const scenario::Node& root = model.scenario.root;
+  const scenario::Node adaptive = root.section("coupling").section("adaptive");
+  const SimTime first = model.run.macro_step;
+  const SimTime shortest = params.min_step.value_or(std::max(first / 32, SimTime(1)));
+  if (params.min_step && first % shortest != SimTime{}) {
+    adaptive.fail("min_step_s", "run.macro_step_s, the first step, is no whole multiple of it.");
+  }
+  if (params.max_step && *params.max_step < first) {
+    adaptive.fail("max_step_s", "is shorter than run.macro_step_s, the first step. Raise it.");
+  }
+  for (const char* side : {"mbs", "fem"}) {
+    if (!root.section(side).has("micro_step_s")) continue;
+    const SimTime h = sim_time_from_seconds(root.section(side).real("micro_step_s"));
+    if (shortest % h == SimTime{}) continue;
+    adaptive.fail("min_step_s",
+                  fmt::format("the shortest macro step, {} s, is no whole multiple of "
+                              "{}.micro_step_s = {}. Write one here.",
+                              to_seconds(shortest), side, to_seconds(h)));
+  }
+}
+
+}  // namespace
+
+Model load_model(const std::filesystem::path& file,
+                 const std::vector<scenario::Override>& overrides) {
+  std::vector<scenario::Override> chosen;
+  Model model{.scenario = load_complete(file, overrides, chosen)};
+  model.chosen = std::move(chosen);
+  const scenario::Node& root = model.scenario.root;
+  model.name = root.text("name");
+  model.run = scenario::read_run(root);
+  model.coupling = read_coupling(root);
+  check_adaptive(model);
+  model.wire = read_wire(root);
+  for (const scenario::PortParams& port : scenario::read_ports(root)) {
+    model.port_names.push_back(port.name);
+  }
+  return model;
+}
+
+std::unique_ptr<MbsSide> make_mbs(const Model& model, const std::filesystem::path& directory) {
+  return mbs::make_side(model.scenario.root, directory);
+}
+
+std::unique_ptr<FemSide> make_fem(const Model& model, const std::filesystem::path& directory) {
+  return prepared_for(model.coupling, fem::make_model(model.scenario.root, directory));
+}
+
+}  // namespace tandem::orchestrator

@@ -1,0 +1,43 @@
+#include "orchestrator/scenario/scenario_table.h"
+
+#include "fem_process/keys/fem_keys.h"
+#include "mbs_process/mbs_keys.h"
+#include "protocol/driver/wire_params.h"
+#include "protocol/scenario/common_keys.h"
+#include "protocol/schemes/coupling_params.h"
+
+namespace tandem::orchestrator {
+
+const scenario::Section& scenario_table() {
+  static const scenario::Section table = [] {
+    scenario::Section root;
+    root.title = "Scenario";
+    root.doc = "One coupled model and how to run it.";
+    root.keys = scenario::root_keys();
+    for (scenario::Key key :
+         {scenario::run_keys(), coupling_keys(), scenario::ports_keys(), mbs::mbs_keys(),
+          fem::fem_keys(), scenario::output_keys(), wire_keys()}) {
+      root.keys.push_back(std::move(key));
+    }
+    return root;
+  }();
+  return table;
+}
+
+const scenario::Section& fem_scenario_table() {
+  static const scenario::Section table = [] {
+    scenario::Section root = scenario_table();
+    for (scenario::Key& key : root.keys) {
+      if (key.name != "name" && key.name != "fem") key.required = false;
+    }
+    return root;
+  }();
+  return table;
+}
+
+void require_mesh_file(const scenario::Node& root) {
+  const scenario::Node fem = root.section("fem");
+  if (fem.has("mesh")) (void)fem.section("mesh").input_file("file");
+}
+
+}  // namespace tandem::orchestrator
