@@ -374,7 +374,13 @@ Key fem_keys() {
                          .must()
                          .only_when("model", {"ancf"})
                          .doc_is("Beams in absolute nodal coordinates."));
-  return scenario::section("fem", std::move(fem)).must().doc_is("The flexible side.");
+  fem.keys.insert(fem.keys.begin(),
+                  scenario::name("name").doc_is("Name of the body, where there are several: ports "
+                                                "say which is theirs (`flexible`)."));
+  return scenario::section("fem", std::move(fem))
+      .must()
+      .or_several()
+      .doc_is("The flexible side: one body, or a list of them, each in a process of its own.");
 }
 
 Params read_params(const Node& root) {

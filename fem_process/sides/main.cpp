@@ -14,8 +14,10 @@ int main(int argc, char** argv) {
           "Flexible-body process of a coupled run: finite elements of a solid, or an ANCF chain.",
       .keys = fem::fem_keys()};
   return run_side_process(program, argc, argv, [](SideContext& context) {
+    const std::filesystem::path folder =
+        fem::folder_of(context.directory, context.scenario.root, context.bodies.size());
     const auto side = prepared_for(read_coupling(context.scenario.root),
-                                   fem::make_model(context.scenario.root, context.directory));
+                                   fem::make_model(context.scenario.root, folder));
     serve_side(context, *side);
     return 0;
   });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 
@@ -12,5 +13,10 @@ namespace tandem::fem {
 /// writes its files there; an empty one writes nothing.
 [[nodiscard]] std::unique_ptr<FemSide> make_model(const scenario::Node& root,
                                                   const std::filesystem::path& directory);
+
+/// Where a body of so many writes its files within the run's folder: one into the folder itself,
+/// several each into a folder of its name, which is made. Empty stays empty: no files.
+[[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& run_folder,
+                                              const scenario::Node& root, std::size_t bodies);
 
 }  // namespace tandem::fem

@@ -10,6 +10,20 @@
 namespace tandem::orchestrator {
 namespace {
 
+/// The section of every flexible body.
+std::vector<scenario::Node> fems_of(const Model& model) {
+  std::vector<scenario::Node> fems;
+  for (const scenario::FlexibleBody& body : model.bodies) fems.push_back(body.root.section("fem"));
+  return fems;
+}
+
+/// Those of them that `is_so`.
+template <class Is>
+std::vector<scenario::Node> those(std::vector<scenario::Node> fems, const Is& is_so) {
+  std::erase_if(fems, [&](const scenario::Node& fem) { return !is_so(fem); });
+  return fems;
+}
+
 /// Whether the flexible side has no integrator to choose.
 bool one_integrator(const scenario::Node& fem) {
   return fem.text("model") == "ancf" || fem.text("coupling") == "nodal" ||
@@ -22,12 +36,16 @@ bool has_linear_solver(const scenario::Node& fem) {
 }
 
 /// The other linear solver than the one that the model has.
-SolverChange other_solver(const Model& model) {
-  const scenario::Node solver = model.scenario.root.section("fem").section("solver");
-  // As a whole: keys of PCG alone are refused beside another kind.
-  if (solver.text("kind") == "pcg") return {"CHOLMOD", {"fem.solver={kind: cholmod}"}};
-  // Its tolerance follows from run.accuracy.
-  return {"PCG", {"fem.solver.kind=pcg"}};
+SolverChange other_solver(const std::vector<scenario::Node>& bodies) {
+  const bool pcg = bodies.front().section("solver").text("kind") == "pcg";
+  SolverChange change{pcg ? "CHOLMOD" : "PCG", {}};
+  for (const scenario::Node& fem : bodies) {
+    // As a whole: keys of PCG alone are refused beside another kind. PCG's tolerance follows from
+    // run.accuracy.
+    change.settings.push_back(pcg ? fem.path_name("solver") + "={kind: cholmod}"
+                                  : fem.path_name("solver.kind") + "=pcg");
+  }
+  return change;
 }
 
 /// In place of the whole section where it may hold keys of another integrator alone, which are
@@ -35,27 +53,28 @@ SolverChange other_solver(const Model& model) {
 Settings generalised_alpha(const scenario::Node& fem) {
   const scenario::Node own = fem.section("integrator");
   if (own.text("kind") == "backward_euler") {
-    return {"fem.integrator.kind=generalised_alpha", "fem.integrator.rho_infinity=0.8"};
+    return {own.path_name("kind") + "=generalised_alpha", own.path_name("rho_infinity") + "=0.8"};
   }
   return {
-      fmt::format("fem.integrator={{kind: generalised_alpha, rho_infinity: 0.8, newton_steps: "
-                  "{}, newton_tolerance: {}}}",
-                  own.integer("newton_steps"), own.real("newton_tolerance"))};
+      fmt::format("{}={{kind: generalised_alpha, rho_infinity: 0.8, newton_steps: {}, "
+                  "newton_tolerance: {}}}",
+                  own.path_name(), own.integer("newton_steps"), own.real("newton_tolerance"))};
 }
 
 /// In place of the whole section: keys of another integrator alone are refused beside this one.
 std::string backward_euler(const scenario::Node& fem) {
   const scenario::Node own = fem.section("integrator");
-  return fmt::format(
-      "fem.integrator={{kind: backward_euler, newton_steps: {}, newton_tolerance: {}}}",
-      own.integer("newton_steps"), own.real("newton_tolerance"));
+  return fmt::format("{}={{kind: backward_euler, newton_steps: {}, newton_tolerance: {}}}",
+                     own.path_name(), own.integer("newton_steps"), own.real("newton_tolerance"));
 }
 
-/// Whether a macro step is several micro steps of the flexible side.
+/// Whether a macro step is several micro steps of a flexible body.
 bool has_micro_steps(const Model& model) {
-  const scenario::Node fem = model.scenario.root.section("fem");
-  return fem.has("micro_step_s") &&
-         fem.real("micro_step_s") < 0.999 * to_seconds(model.run.macro_step);
+  const std::vector<scenario::Node> bodies = fems_of(model);
+  return std::any_of(bodies.begin(), bodies.end(), [&](const scenario::Node& fem) {
+    return fem.has("micro_step_s") &&
+           fem.real("micro_step_s") < 0.999 * to_seconds(model.run.macro_step);
+  });
 }
 
 /// The other way to keep the flexible side's interface Jacobian.
@@ -70,23 +89,28 @@ SolverChange other_refresh(const Model& model) {
 
 std::vector<IntegratorPair> integrator_pairs(const Model& model) {
   const scenario::Node& root = model.scenario.root;
-  const bool one = one_integrator(root.section("fem"));
+  const std::vector<scenario::Node> open =
+      those(fems_of(model), [](const scenario::Node& fem) { return !one_integrator(fem); });
+  const bool one = open.empty();
   const bool rigid_second = root.section("mbs").text("integrator") != "euler";
-  const bool flexible_second = is_second_order(root.section("fem"));
+  const bool flexible_second = std::all_of(open.begin(), open.end(), is_second_order);
   const bool second = rigid_second && (one || flexible_second);
-  const bool first = !rigid_second && (one || !flexible_second);
+  const bool flexible_first = std::none_of(open.begin(), open.end(), is_second_order);
+  const bool first = !rigid_second && (one || flexible_first);
   std::vector<IntegratorPair> pairs = {{.name = "own", .order = second ? 2 : 1, .settings = {}}};
   if (!second) {
-    pairs.push_back(
-        {.name = "second order",
-         .order = 2,
-         .settings = one ? Settings{"mbs.integrator=verlet"}
-                         : joined({"mbs.integrator=generalised_alpha", "mbs.rho_infinity=0.8"},
-                                  generalised_alpha(root.section("fem")))});
+    Settings settings{one ? "mbs.integrator=verlet" : "mbs.integrator=generalised_alpha"};
+    if (!one) settings.emplace_back("mbs.rho_infinity=0.8");
+    for (const scenario::Node& fem : open) {
+      settings = joined(std::move(settings), generalised_alpha(fem));
+    }
+    pairs.push_back({.name = "second order", .order = 2, .settings = std::move(settings)});
   }
   if (!first) {
     pairs.push_back({.name = "first order", .order = 1, .settings = {"mbs.integrator=euler"}});
-    if (!one) pairs.back().settings.push_back(backward_euler(root.section("fem")));
+    for (const scenario::Node& fem : open) {
+      pairs.back().settings.push_back(backward_euler(fem));
+    }
   }
   return pairs;
 }
@@ -110,7 +134,8 @@ Candidate make_candidate(const Model& model, const std::string& scheme,
 
 std::vector<SolverChange> solver_changes(const Model& model) {
   std::vector<SolverChange> changes;
-  if (has_linear_solver(model.scenario.root.section("fem"))) changes.push_back(other_solver(model));
+  const std::vector<scenario::Node> solving = those(fems_of(model), has_linear_solver);
+  if (!solving.empty()) changes.push_back(other_solver(solving));
   if (model.coupling.scheme == SchemeKind::InterfaceNewton) changes.push_back(other_refresh(model));
   return changes;
 }
@@ -122,12 +147,13 @@ Settings own_settings(const Model& model) {
 
 Settings step_settings(const Model& model, double step_s) {
   Settings settings = {fmt::format("run.macro_step_s={}", step_s)};
-  for (const std::string side : {"mbs", "fem"}) {
-    const scenario::Node node = model.scenario.root.section(side);
+  std::vector<scenario::Node> sides = fems_of(model);
+  sides.insert(sides.begin(), model.scenario.root.section("mbs"));
+  for (const scenario::Node& node : sides) {
     if (!node.has("micro_step_s")) continue;
     const double micro_steps =
         std::round(to_seconds(model.run.macro_step) / node.real("micro_step_s"));
-    settings.push_back(fmt::format("{}.micro_step_s={}", side, step_s / micro_steps));
+    settings.push_back(fmt::format("{}={}", node.path_name("micro_step_s"), step_s / micro_steps));
   }
   return settings;
 }

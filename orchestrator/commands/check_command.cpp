@@ -26,6 +26,7 @@
 #include "orchestrator/scenario/scenario_table.h"
 #include "orchestrator/warnings/material_warnings.h"
 #include "orchestrator/warnings/warnings.h"
+#include "protocol/driver/composite_fem.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -123,6 +124,7 @@ std::string lines_of(const std::vector<Finding>& findings) {
 
 /// A scenario for `tandem fem` alone.
 std::string check_flexible(const std::string& file, const scenario::Node& root) {
+  require_one_body(root);
   if (root.section("fem").text("model") == "ancf") {
     const fem::ancf::BeamBody beams(fem::ancf::read_beam_params(root));
     return fmt::format("{}: good, for `tandem fem` (there is no section mbs)\n{}", file,
@@ -135,21 +137,15 @@ std::string check_flexible(const std::string& file, const scenario::Node& root) 
          lines_of(warnings_of(root, model));
 }
 
-std::string check_coupled(const ScenarioOptions& options) {
-  const Model model = options.load();
-  const auto mbs = mbs::make_side(model.scenario.root, {});
-  (void)make_fem(model, {});  // with what the scheme puts before it
-  const auto fem = fem::make_model(model.scenario.root, {});
-  std::string text =
-      fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
-                  model.run.macro_steps(), to_seconds(model.run.macro_step),
-                  model.port_names.size(), to_string(model.coupling.scheme));
-  if (!model.chosen.empty()) text += "  chosen: " + text_of(model.chosen) + "\n";
-  const MotionSet origins = mbs->initialize(WrenchSet(model.port_names.size()));
+/// One of the flexible bodies. What is said of the run as a whole may stand in `found` already.
+std::string describe_body(const Model& part, const MotionSet& origins,
+                          const mbs::Params& mbs_params, std::vector<Finding>& found) {
+  const auto fem = fem::make_model(part.scenario.root, {});
+  std::string text;
   const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get());
   if (body != nullptr) {
     text += describe(body->model(), origins);
-    const scenario::Node mbs_keys = model.scenario.root.section("mbs");
+    const scenario::Node mbs_keys = part.scenario.root.section("mbs");
     if (body->model().params.nodal &&
         (mbs_keys.has("micro_step_s") || mbs_keys.text("integrator") != "euler")) {
       text +=
@@ -157,18 +153,43 @@ std::string check_coupled(const ScenarioOptions& options) {
           "every step unless damping outweighs it; use interface_jacobian\n";
     }
   }
-  text += lines_of(
-      warnings_of(model, mbs->params(), body == nullptr ? nullptr : &body->model(), origins));
+  for (Finding& finding :
+       warnings_of(part, mbs_params, body == nullptr ? nullptr : &body->model(), origins)) {
+    const bool known = std::any_of(found.begin(), found.end(), [&](const Finding& other) {
+      return other.text == finding.text;
+    });
+    if (!known) found.push_back(std::move(finding));
+  }
+  if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {
+    fem::ancf::check_overlap(beams->params(), origins);
+    text += describe(beams->params(), beams->system());
+  }
+  return text;
+}
+
+std::string check_coupled(const ScenarioOptions& options) {
+  const Model model = options.load();
+  const auto mbs = mbs::make_side(model.scenario.root, {});
+  (void)make_fem(model, {});  // with what the scheme puts before it
+  std::string text =
+      fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
+                  model.run.macro_steps(), to_seconds(model.run.macro_step),
+                  model.port_names.size(), to_string(model.coupling.scheme));
+  if (!model.chosen.empty()) text += "  chosen: " + text_of(model.chosen) + "\n";
+  const MotionSet origins = mbs->initialize(WrenchSet(model.port_names.size()));
+  std::vector<Finding> found;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    if (model.bodies.size() > 1) text += fmt::format("  '{}':\n", model.bodies[b].name);
+    text += describe_body(part_of(model, b), of_ports(origins, model.bodies[b].ports),
+                          mbs->params(), found);
+  }
+  text += lines_of(found);
   for (const std::string& note : notes_of(model.coupling)) text += "  warning: " + note + "\n";
   if (const auto warning = mbs::spring_warning(mbs->params())) {
     text += "  warning: " + *warning + "\n";
   }
   if (const auto warning = mbs::drift_warning(mbs->params(), to_seconds(model.run.duration))) {
     text += "  warning: " + *warning + "\n";
-  }
-  if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {
-    fem::ancf::check_overlap(beams->params(), origins);
-    text += describe(beams->params(), beams->system());
   }
   return text;
 }

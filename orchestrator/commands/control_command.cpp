@@ -26,10 +26,12 @@ struct ControlCommand {
   std::string verb;
   std::string set;
   std::string force;
+  std::string body;
 
   [[nodiscard]] std::string text() const {
-    return verb == "force" ? fmt::format("force {} {}", set, force)
-                           : fmt::format("{} {}", verb, set);
+    const std::string to = body.empty() ? "" : body + " ";
+    return verb == "force" ? fmt::format("{}force {} {}", to, set, force)
+                           : fmt::format("{}{} {}", to, verb, set);
   }
 
   /// Where the run is heard: from its folder, or as given.
@@ -93,6 +95,8 @@ void add_control(CLI::App& app) {
   sub->add_option("RUN", command->run, "Run folder of the run that goes on");
   sub->add_option("--run", command->run_id_hex, "Run id, 16 hexadecimal digits, in place of RUN");
   sub->add_option("--port", command->port, "UDP port of the run, with --run");
+  sub->add_option("--body", command->body,
+                  "The flexible body that is meant, where there are several");
   sub->add_option("--timeout", command->timeout_s,
                   "Silence (s) after which the run counts as ended")
       ->check(number_above_zero())

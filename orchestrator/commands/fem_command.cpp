@@ -257,6 +257,7 @@ struct FemCommand {
     for (const std::string& set : sets) overrides.push_back(scenario::parse_override(set));
     const scenario::Loaded loaded =
         scenario::load(file, fem_scenario_table(), with_nodes(file, overrides));
+    require_one_body(loaded.root);
     require_mesh_file(loaded.root);
     const RunDirectory directory = RunDirectory::create_group(
         out.empty() ? std::nullopt : std::optional<std::filesystem::path>(out),

@@ -111,10 +111,12 @@ struct RunCommand {
 
   /// A chain that locks runs all the same, and its result looks good.
   static void warn_of_bending(const Model& model) {
-    if (model.scenario.root.section("fem").text("model") != "ancf") return;
-    const fem::ancf::BeamParams params = fem::ancf::read_beam_params(model.scenario.root);
-    if (const auto warning = fem::ancf::bending_warning(params.model)) {
-      std::fprintf(stderr, "warning: %s\n", warning->c_str());
+    for (const scenario::FlexibleBody& body : model.bodies) {
+      if (body.root.section("fem").text("model") != "ancf") continue;
+      const fem::ancf::BeamParams params = fem::ancf::read_beam_params(body.root);
+      if (const auto warning = fem::ancf::bending_warning(params.model)) {
+        std::fprintf(stderr, "warning: %s\n", warning->c_str());
+      }
     }
   }
 

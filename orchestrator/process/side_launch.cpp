@@ -22,24 +22,28 @@ ErrorKind kind_of(const ExitStatus& status) {
 
 }  // namespace
 
-SideLaunch::SideLaunch(const std::vector<wire::Process>& sides, const RunDirectory& directory,
-                       std::uint64_t run_id, int port, bool attach, bool silent)
+SideLaunch::SideLaunch(const std::vector<wire::Process>& sides, const wire::ProcessNames& names,
+                       const RunDirectory& directory, std::uint64_t run_id, int port, bool attach,
+                       bool silent)
     : silent_(silent) {
   for (wire::Process side : sides) {
-    const std::string name = wire::executable_of(side);
+    const std::string executable = wire::ProcessNames::executable(side);
     std::vector<std::string> arguments{
         "--scenario", directory.scenario().string(), "--run", fmt::format("{:016x}", run_id),
         "--port",     std::to_string(port),          "--dir", directory.path().string()};
+    if (static_cast<std::size_t>(side) >= wire::kFirstBody) {
+      arguments.insert(arguments.end(), {"--body", names.name(side)});
+    }
     if (attach) {
-      std::fprintf(stderr, "start by hand: %s %s\n", name.c_str(),
+      std::fprintf(stderr, "start by hand: %s %s\n", executable.c_str(),
                    fmt::format("{}", fmt::join(arguments, " ")).c_str());
       continue;
     }
     arguments.insert(arguments.end(), {"--parent", std::to_string(getpid())});
-    const auto log = directory.process_log(wire::text_of(side));
+    const auto log = directory.process_log(names.name(side));
     children_.push_back(std::unique_ptr<Child>(
-        new Child{side, ChildProcess(name, find_program(name), arguments, log),
-                  LogTail(wire::text_of(side), log)}));
+        new Child{side, ChildProcess(names.program(side), find_program(executable), arguments, log),
+                  LogTail(names.name(side), log)}));
   }
 }
 
@@ -47,7 +51,7 @@ SideLaunch::~SideLaunch() {
   for (const auto& child : children_) child->process.end(0.0);
 }
 
-void SideLaunch::supervise(std::initializer_list<wire::Process> needed) {
+void SideLaunch::supervise(const std::vector<wire::Process>& needed) {
   throw_if_interrupted();
   for (const auto& child : children_) {
     if (!silent_) child->tail.forward();

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,7 +8,7 @@
 #include "orchestrator/files/run_directory.h"
 #include "orchestrator/process/child_process.h"
 #include "orchestrator/process/log_tail.h"
-#include "protocol/wire/seal.h"
+#include "protocol/wire/process_names.h"
 
 namespace tandem::orchestrator {
 
@@ -17,13 +16,14 @@ namespace tandem::orchestrator {
 class SideLaunch {
  public:
   /// Starts the given sides; with `attach`, prints the commands to start them by hand instead.
-  SideLaunch(const std::vector<wire::Process>& sides, const RunDirectory& directory,
-             std::uint64_t run_id, int port, bool attach, bool silent);
+  SideLaunch(const std::vector<wire::Process>& sides, const wire::ProcessNames& names,
+             const RunDirectory& directory, std::uint64_t run_id, int port, bool attach,
+             bool silent);
   ~SideLaunch();
 
   /// Forwards new log lines; throws a tandem::Error when a process has ended with a failure, when
   /// one that is still `needed` has ended at all, and when a signal has asked this process to stop.
-  void supervise(std::initializer_list<wire::Process> needed);
+  void supervise(const std::vector<wire::Process>& needed);
 
   /// Whether this object started the side (with attach it did not).
   [[nodiscard]] bool started(wire::Process side) const;

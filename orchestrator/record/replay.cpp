@@ -1,8 +1,11 @@
 #include "orchestrator/record/replay.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -13,6 +16,8 @@
 #include "orchestrator/record/output_difference.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
+#include "protocol/driver/composite_fem.h"
+#include "protocol/driver/remote_bodies.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/event_log.h"
 #include "protocol/wire/remote_side.h"
@@ -42,12 +47,39 @@ const Segment<MotionSet>& inputs(const CallRecord& call) {
   return call.motions;
 }
 
+/// Which calls of a log are made again, and of what is in them.
+struct Played {
+  SideName side;
+  std::vector<std::string> ports;
+  std::optional<scenario::BodyPorts> part;  ///< one of several flexible bodies
+
+  /// Whether the call is a command to another body: its checkpoint is made, and no more.
+  [[nodiscard]] bool is_to_other(const CallRecord& call) const {
+    return part && call.kind == CallKind::Command && !call.command.starts_with(part->name + " ");
+  }
+  /// The call as it came to the part.
+  [[nodiscard]] CallRecord of(CallRecord call) const {
+    if (!part) return call;
+    if (call.kind == CallKind::Command && !is_to_other(call)) {
+      call.command.erase(0, part->name.size() + 1);
+    }
+    for (MotionSet* set : {&call.motions.begin, &call.motions.end}) {
+      *set = of_ports(*set, part->ports);
+    }
+    for (WrenchSet* set : {&call.wrenches.begin, &call.wrenches.end}) {
+      *set = of_ports(*set, part->ports);
+    }
+    return call;
+  }
+};
+
 /// Makes a logged call again; the difference of what comes out, or nothing.
 template <class In, class Out>
-std::string repeat(const CallRecord& call, Subsystem<In, Out>& side,
-                   const std::vector<std::string>& ports, double tolerance) {
+std::string repeat(const CallRecord& call, Subsystem<In, Out>& side, const Played& played,
+                   double tolerance) {
   if (call.checkpoint_first) side.checkpoint();
   if (call.rollback_first) side.rollback();
+  if (played.is_to_other(call)) return {};
   if (call.kind == CallKind::Command) {
     const CommandResult result = side.command(call.command);
     if (result.accepted == (call.outcome == Outcome::Done)) return {};
@@ -57,74 +89,77 @@ std::string repeat(const CallRecord& call, Subsystem<In, Out>& side,
   const Segment<In>& input = inputs<In>(call);
   const Out& logged = inputs<Out>(call).end;
   if (call.kind == CallKind::Initialize) {
-    return first_difference(logged, side.initialize(input.end), ports, tolerance);
+    return first_difference(logged, side.initialize(input.end), played.ports, tolerance);
   }
   const StepResult<Out> result =
       side.advance({.step = call.step, .input = input, .linearize = call.linearize});
-  if (result.outcome != call.outcome) {
+  // The logged outcome is the worst of all bodies'.
+  if (played.part ? result.outcome > call.outcome : result.outcome != call.outcome) {
     return fmt::format("logged outcome {}, replayed {} ({})", static_cast<int>(call.outcome),
                        static_cast<int>(result.outcome), result.message);
   }
   if (call.outcome == Outcome::Failed) return {};
-  return first_difference(logged, result.output, ports, tolerance);
+  return first_difference(logged, result.output, played.ports, tolerance);
 }
 
 /// Replays all calls of the side's kind.
 template <class In, class Out>
-void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, SideName name,
-                const std::vector<std::string>& ports, double tolerance, ReplayReport& report) {
+void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, const Played& played,
+                const Model& model, const ReplayOptions& options, ReplayReport& report) {
   while (const auto journal = log.next_step()) {
     throw_if_interrupted();
     for (const CallRecord& call : journal->calls) {
-      if (call.side != name) continue;
-      const std::string misfit = wire::misfit(call, ports.size());
+      if (call.side != played.side) continue;
+      const std::string misfit = wire::misfit(call, model.port_names.size());
       require(misfit.empty(), fmt::format("the log is damaged: {}.", misfit));
-      const std::string difference = repeat(call, side, ports, tolerance);
+      const std::string difference = repeat(played.of(call), side, played, options.tolerance);
       ++report.calls;
       report.discarded_calls += call.accepted ? 0 : 1;
       if (difference.empty()) continue;
-      report.difference =
-          fmt::format("{}: differs at macro step {}, iteration {}, {}", wire::text_of(name),
-                      call.macro_step, call.iteration, difference);
+      report.difference = fmt::format("{}: differs at macro step {}, iteration {}, {}",
+                                      options.side, call.macro_step, call.iteration, difference);
       return;
     }
     report.macro_steps = journal->step.macro_step;
   }
 }
 
-/// Runs `use` with the side as a process of its own, driven from here.
-template <class Remote, class Use>
-void with_process(const Model& model, const std::filesystem::path& folder, Process side, Use use) {
+/// Runs `use` with sides that are processes of their own, driven from here.
+/// `connect(bus, monitor, options)` gives the side that they make.
+template <class Connect, class Use>
+void with_processes(const Model& model, const std::filesystem::path& folder,
+                    const std::vector<Process>& sides, Connect connect, Use use) {
   const RunDirectory directory = RunDirectory::create_anew(folder);
   write_whole_file(directory.scenario(), model.scenario.resolved_yaml);
   wire::BusOptions options;
   options.self = Process::Orchestrator;
   options.run_id = wire::random_run_id();
   options.port = wire::free_port();
+  options.names = process_names(model.table);
   wire::Bus bus(options);
   wire::Heartbeat heartbeat(bus, model.wire.timeout_s);
   heartbeat.set_phase("replaying");
-  SideLaunch launch({side}, directory, options.run_id, options.port, false, false);
+  SideLaunch launch(sides, options.names, directory, options.run_id, options.port, false, false);
   try {
-    wire::LivenessMonitor start(bus, {side}, model.wire.start_timeout_s);
-    while (!start.heard_from(side)) {
+    wire::LivenessMonitor start(bus, sides, model.wire.start_timeout_s);
+    while (!std::all_of(sides.begin(), sides.end(),
+                        [&](Process side) { return start.heard_from(side); })) {
       start.wait(0.02);
-      launch.supervise({side});
+      launch.supervise(sides);
     }
   } catch (const Error&) {
     launch.end_all(1.0);
     throw;
   }
-  wire::LivenessMonitor monitor(bus, {side}, model.wire.timeout_s);
-  monitor.also_watch([&] { launch.supervise({side}); });
-  Remote remote(bus, monitor,
-                {.side = side,
-                 .scenario_hash = model.scenario.hash,
-                 .port_names = model.port_names,
-                 .tandem_version = kTandemVersion});
-  use(remote);
+  wire::LivenessMonitor monitor(bus, sides, model.wire.timeout_s);
+  monitor.also_watch([&] { launch.supervise(sides); });
+  auto remote = connect(bus, monitor,
+                        wire::RemoteOptions{.scenario_hash = model.scenario.hash,
+                                            .port_names = model.port_names,
+                                            .tandem_version = kTandemVersion});
+  use(*remote);
   monitor.also_watch({});
-  remote.close();
+  remote->close();
   launch.end_all(model.wire.timeout_s);
 }
 
@@ -151,22 +186,57 @@ std::optional<std::int64_t> promised_steps(const RunDirectory& run) {
   return summary.value("macro_steps", std::int64_t{0});
 }
 
+/// The side of `options`, among those that the model has.
+Played played_side(const Model& model, const std::string& side) {
+  if (side == "mbs") return {SideName::Mbs, model.port_names, std::nullopt};
+  if (side == "fem") return {SideName::Fem, model.port_names, std::nullopt};
+  std::vector<std::string> names{"mbs", "fem"};
+  for (const scenario::BodyPorts& body : model.table) {
+    if (body.name == side && model.table.size() > 1) {
+      return {SideName::Fem, of_ports(model.port_names, body.ports), body};
+    }
+    if (model.table.size() > 1) names.push_back(body.name);
+  }
+  throw Error(ErrorKind::Usage,
+              fmt::format("replay: --side {}: the run has no such side.{} It has {}.", side,
+                          scenario::did_you_mean(side, names), fmt::join(names, ", ")));
+}
+
+void replay_bodies(const Model& model, const Played& played, const ReplayOptions& options,
+                   const std::filesystem::path& folder,
+                   const std::function<void(FemSide&)>& check) {
+  std::optional<std::size_t> only;
+  for (std::size_t b = 0; played.part && b < model.table.size(); ++b) {
+    if (model.table[b].name == played.part->name) only = b;
+  }
+  if (options.mode == Mode::Inproc) {
+    return check(*(only ? make_fem(model, model.bodies[*only], {}) : make_fem(model, {})));
+  }
+  std::vector<Process> processes = processes_of(model.table);
+  if (only) processes = {processes[*only]};
+  with_processes(
+      model, folder, processes,
+      [&](wire::Bus& bus, wire::LivenessMonitor& monitor, const wire::RemoteOptions& all) {
+        return std::make_unique<RemoteBodies>(bus, monitor, model.table, all, only);
+      },
+      [&](RemoteBodies& remote) { check(remote.side()); });
+}
+
 void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::LogReader& log,
                  ReplayReport& report) {
   const Model model = load_model(run.scenario(), {{"wire.driver", "orchestrator"}});
-  const auto check = [&](auto& side) {
-    replay_log(log, side, options.side, model.port_names, options.tolerance, report);
-  };
-  if (options.mode == Mode::Inproc) {
-    if (options.side == SideName::Mbs) return check(*make_mbs(model, {}));
-    return check(*make_fem(model, {}));
-  }
-  const auto folder = run.path() / fmt::format("replay-{}", wire::text_of(options.side));
-  if (options.side == SideName::Mbs) {
-    with_process<wire::RemoteMbs>(model, folder, Process::Mbs, check);
-  } else {
-    with_process<wire::RemoteFem>(model, folder, Process::Fem, check);
-  }
+  const Played played = played_side(model, options.side);
+  const auto check = [&](auto& side) { replay_log(log, side, played, model, options, report); };
+  const auto folder = run.path() / ("replay-" + options.side);
+  if (played.side == SideName::Fem) return replay_bodies(model, played, options, folder, check);
+  if (options.mode == Mode::Inproc) return check(*make_mbs(model, {}));
+  with_processes(
+      model, folder, {Process::Mbs},
+      [&](wire::Bus& bus, wire::LivenessMonitor& monitor, wire::RemoteOptions all) {
+        all.side = Process::Mbs;
+        return std::make_unique<wire::RemoteMbs>(bus, monitor, all);
+      },
+      check);
 }
 
 }  // namespace

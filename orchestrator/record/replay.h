@@ -5,13 +5,12 @@
 
 #include "orchestrator/files/run_directory.h"
 #include "orchestrator/run/run.h"
-#include "protocol/wire/journal.h"
 
 namespace tandem::orchestrator {
 
 struct ReplayOptions {
-  wire::SideName side = wire::SideName::Fem;
-  Mode mode = Mode::Lcm;  ///< Lcm: a real side process; Inproc: the side as an object
+  std::string side = "fem";  ///< mbs; fem: the whole flexible side; or one of several bodies
+  Mode mode = Mode::Lcm;     ///< Lcm: a real side process; Inproc: the side as an object
   /// Allowed difference: |replayed − logged| ≤ tolerance · max(1, |logged|); 0 = the same bits.
   double tolerance = 0.0;
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
 #include "protocol/driver/control_inbox.h"
+#include "protocol/driver/remote_bodies.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/journal_receiver.h"
 #include "protocol/wire/remote_side.h"
@@ -22,8 +24,10 @@ namespace {
 
 using wire::Process;
 
-wire::BusOptions bus_options(const WireParams& params, std::uint64_t run_id) {
+wire::BusOptions bus_options(const Model& model, std::uint64_t run_id) {
+  const WireParams& params = model.wire;
   wire::BusOptions options;
+  options.names = process_names(model.table);
   options.self = Process::Orchestrator;
   options.run_id = run_id;
   options.port = wire::free_port();
@@ -34,17 +38,28 @@ wire::BusOptions bus_options(const WireParams& params, std::uint64_t run_id) {
   return options;
 }
 
+/// The processes that this one starts: the multibody side and the flexible bodies.
+std::vector<Process> sides_of(const Model& model) {
+  std::vector<Process> sides = processes_of(model.table);
+  sides.insert(sides.begin(), Process::Mbs);
+  return sides;
+}
+
 /// Passes journals on to the recorder and keeps the heartbeat's macro step current (hub).
 class HubSink final : public StepSink {
  public:
   HubSink(Recorder& recorder, wire::Heartbeat& heartbeat, wire::LivenessMonitor& monitor,
-          SideLaunch& launch)
-      : recorder_(recorder), heartbeat_(heartbeat), monitor_(monitor), launch_(launch) {}
+          SideLaunch& launch, const std::vector<Process>& sides)
+      : recorder_(recorder),
+        heartbeat_(heartbeat),
+        monitor_(monitor),
+        launch_(launch),
+        sides_(sides) {}
   double record(wire::StepJournal journal) override {
     heartbeat_.set_macro_step(journal.step.macro_step);
     monitor_.set_macro_step(journal.step.macro_step);
     // Each supervision is two system calls a process: often enough for a person, and cheap.
-    if (journal.step.macro_step % 64 == 0) launch_.supervise({Process::Mbs, Process::Fem});
+    if (journal.step.macro_step % 64 == 0) launch_.supervise(sides_);
     return recorder_.record(std::move(journal));
   }
   void rest(double seconds) override {
@@ -58,6 +73,7 @@ class HubSink final : public StepSink {
   wire::Heartbeat& heartbeat_;
   wire::LivenessMonitor& monitor_;
   SideLaunch& launch_;
+  const std::vector<Process>& sides_;
 };
 
 class LcmRun {
@@ -67,9 +83,10 @@ class LcmRun {
       : model_(model),
         silent_(options.silent),
         recorder_(recorder),
-        bus_(bus_options(model.wire, run_id)),
+        sides_(sides_of(model)),
+        bus_(bus_options(model, run_id)),
         heartbeat_(bus_, model.wire.timeout_s),
-        launch_({Process::Mbs, Process::Fem}, directory, run_id, bus_.options().port,
+        launch_(sides_, bus_.options().names, directory, run_id, bus_.options().port,
                 options.attach, options.silent) {
     warn_of_buffer(model.port_names.size());
     const nlohmann::ordered_json address = {{"run_id", fmt::format("{:016x}", run_id)},
@@ -82,7 +99,7 @@ class LcmRun {
   wire::Finished run() {
     try {
       await_sides();
-      wire::LivenessMonitor monitor(bus_, {Process::Mbs, Process::Fem}, model_.wire.timeout_s);
+      wire::LivenessMonitor monitor(bus_, sides_, model_.wire.timeout_s);
       wire::Finished finished =
           model_.wire.driver == DriverPlace::Mbs ? record_from_mbs(monitor) : drive_here(monitor);
       const std::vector<std::string> failures = launch_.end_all(model_.wire.timeout_s);
@@ -113,27 +130,31 @@ class LcmRun {
 
   /// Until both processes have been heard; says who is waiting for whom when it takes long.
   void await_sides() {
-    heartbeat_.set_phase("waiting for both sides");
-    wire::LivenessMonitor monitor(bus_, {Process::Mbs, Process::Fem}, model_.wire.start_timeout_s);
+    heartbeat_.set_phase(sides_.size() == 2 ? "waiting for both sides" : "waiting for all sides");
+    wire::LivenessMonitor monitor(bus_, sides_, model_.wire.start_timeout_s);
     std::string shown;
     double next_s = now_s() + 1.0;
-    while (!monitor.heard_from(Process::Mbs) || !monitor.heard_from(Process::Fem)) {
+    while (!std::all_of(sides_.begin(), sides_.end(),
+                        [&](Process side) { return monitor.heard_from(side); })) {
       monitor.wait(0.02);
-      launch_.supervise({Process::Mbs, Process::Fem});
+      launch_.supervise(sides_);
       if (silent_ || now_s() < next_s) continue;
       next_s = now_s() + 1.0;
-      const std::string text =
-          fmt::format("waiting: tandem-mbs is {}, tandem-fem is {}",
-                      phase_text(monitor, Process::Mbs), phase_text(monitor, Process::Fem));
+      const std::string text = "waiting: " + phases(monitor);
       if (text != shown) std::fprintf(stderr, "%s\n", text.c_str());
       shown = text;
     }
     heartbeat_.set_phase("recording");
   }
 
-  static std::string phase_text(const wire::LivenessMonitor& monitor, Process side) {
-    const std::string& phase = monitor.phase(side);
-    return phase.empty() ? "not heard yet" : phase;
+  /// "tandem-mbs is loading its model, tandem-fem is not heard yet".
+  [[nodiscard]] std::string phases(const wire::LivenessMonitor& monitor) const {
+    std::vector<std::string> texts;
+    for (const Process side : sides_) {
+      const std::string& phase = monitor.phase(side);
+      texts.push_back(bus_.program_of(side) + " is " + (phase.empty() ? "not heard yet" : phase));
+    }
+    return fmt::format("{}", fmt::join(texts, ", "));
   }
 
   wire::Finished record_from_mbs(wire::LivenessMonitor& monitor) {
@@ -156,8 +177,7 @@ class LcmRun {
       } else {
         finished = std::get<wire::Finished>(*entry);
         patience_end_s = now_s() + model_.wire.timeout_s;
-        monitor.release(Process::Mbs);
-        monitor.release(Process::Fem);
+        for (const Process side : sides_) monitor.release(side);
       }
       receiver.recorded();
     }
@@ -180,27 +200,29 @@ class LcmRun {
     if (now_s() < next_supervision_s_) return;
     next_supervision_s_ = now_s() + 0.02;
     if (finished) return;
-    if (const auto status = launch_.ended(Process::Fem); status && status->code == 0) {
-      monitor.release(Process::Fem);  // it was told bye; the driver is about to finish
+    for (const Process side : sides_) {
+      if (side == Process::Mbs) continue;
+      const auto status = launch_.ended(side);
+      // It was told bye; the driver is about to finish.
+      if (status && status->code == 0) monitor.release(side);
     }
     launch_.supervise({Process::Mbs});
   }
 
   wire::Finished drive_here(wire::LivenessMonitor& monitor) {
-    monitor.also_watch([this] { launch_.supervise({Process::Mbs, Process::Fem}); });
+    monitor.also_watch([this] { launch_.supervise(sides_); });
     wire::RemoteMbs mbs(bus_, monitor, expected(Process::Mbs));
-    wire::RemoteFem fem(bus_, monitor, expected(Process::Fem));
-    HubSink sink(recorder_, heartbeat_, monitor, launch_);
+    RemoteBodies fem(bus_, monitor, model_.table, expected(Process::Fem));
+    HubSink sink(recorder_, heartbeat_, monitor, launch_, sides_);
     ControlInbox inbox(bus_);
     CoupledRunParams params = scheme_run(model_.run, model_.coupling);
     params.commands = &inbox;
     params.energy_every_steps = scenario::read_output(model_.scenario.root).energy_every_steps;
     RunReport report =
-        run_coupled(params, {mbs, Locality::Elsewhere}, {fem, Locality::Elsewhere}, sink);
+        run_coupled(params, {mbs, Locality::Elsewhere}, {fem.side(), Locality::Elsewhere}, sink);
     report.ledger.book_lost(bus_.counts().damaged);
     monitor.also_watch({});
     fem.close();
-    monitor.release(Process::Fem);
     mbs.close();
     return {.exit_code = report.exit_code(),
             .message = report.message,
@@ -214,7 +236,7 @@ class LcmRun {
     std::string text = error.what();
     for (int i = 0; i < 20 && stop_signal() == 0; ++i) {
       try {
-        wire::LivenessMonitor(bus_, {Process::Mbs, Process::Fem}, 3600.0).wait(0.01);
+        wire::LivenessMonitor(bus_, sides_, 3600.0).wait(0.01);
       } catch (const Error& said) {
         text = said.what();
         break;
@@ -235,6 +257,7 @@ class LcmRun {
   const Model& model_;
   bool silent_;
   Recorder& recorder_;
+  std::vector<Process> sides_;
   wire::Bus bus_;
   wire::Heartbeat heartbeat_;
   SideLaunch launch_;

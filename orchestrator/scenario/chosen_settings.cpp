@@ -4,9 +4,11 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/flexible_bodies.h"
 #include "protocol/schemes/coupling_params.h"
 
 namespace tandem::orchestrator {
@@ -40,35 +42,46 @@ bool suits_pcg(const scenario::Node& root) {
                       [](const scenario::PortParams& port) { return port.attachment.loose(); });
 }
 
+using Choose = std::function<void(const std::string& key, const std::string& value)>;
+
+/// What a body on a mesh leaves open of its solver.
+void choose_solver(const scenario::Node& root, double accuracy, const Choose& choose) {
+  const scenario::Node fem = root.section("fem");
+  const scenario::Node solver = fem.section("solver");
+  std::string kind = solver.text("kind");
+  if (kind == "automatic") {
+    kind = accuracy >= kExact && suits_pcg(root) ? "pcg" : "cholmod";
+    choose(solver.path_name("kind"), kind);
+  }
+  if (kind == "pcg" && !solver.has("tolerance")) {
+    choose(solver.path_name("tolerance"),
+           fmt::format("{:.12g}", std::clamp(1e-4 * accuracy, kFinestSolver, kCoarsestSolver)));
+  }
+}
+
 }  // namespace
 
 std::vector<scenario::Override> chosen_settings(const scenario::Node& root) {
   const double accuracy = root.section("run").real("accuracy");
   const CouplingParams coupling = read_coupling(root);
-  const scenario::Node fem = root.section("fem");
   std::vector<scenario::Override> chosen;
-  const auto choose = [&](const std::string& key, const std::string& value) {
+  const Choose choose = [&](const std::string& key, const std::string& value) {
     chosen.push_back({key, value, "run.accuracy"});
   };
   if (iterates(coupling.scheme) && !root.section("coupling").has("relative_tolerance")) {
     choose("coupling.relative_tolerance",
            fmt::format("{:.12g}", tolerance_of(coupling.scheme, accuracy)));
   }
-  if (on_mesh(fem) && fem.text("formulation") != "craig_bampton") {
-    const scenario::Node solver = fem.section("solver");
-    std::string kind = solver.text("kind");
-    if (kind == "automatic") {
-      kind = accuracy >= kExact && suits_pcg(root) ? "pcg" : "cholmod";
-      choose("fem.solver.kind", kind);
-    }
-    if (kind == "pcg" && !solver.has("tolerance")) {
-      choose("fem.solver.tolerance",
-             fmt::format("{:.12g}", std::clamp(1e-4 * accuracy, kFinestSolver, kCoarsestSolver)));
-    }
-    if (coupling.scheme == SchemeKind::InterfaceNewton &&
-        coupling.jacobian.fem_refresh == Refresh::Automatic && accuracy >= kExact) {
-      choose("coupling.jacobian.fem_refresh", "broyden");
-    }
+  bool all_full = true;
+  for (const scenario::FlexibleBody& body : scenario::flexible_bodies(root)) {
+    const scenario::Node fem = body.root.section("fem");
+    const bool is_full = on_mesh(fem) && fem.text("formulation") != "craig_bampton";
+    if (is_full) choose_solver(body.root, accuracy, choose);
+    all_full = all_full && is_full;
+  }
+  if (all_full && coupling.scheme == SchemeKind::InterfaceNewton &&
+      coupling.jacobian.fem_refresh == Refresh::Automatic && accuracy >= kExact) {
+    choose("coupling.jacobian.fem_refresh", "broyden");
   }
   return chosen;
 }

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 
+#include "protocol/scenario/flexible_bodies.h"
+
 namespace tandem::orchestrator {
 
-void refuse_late_changes(const scenario::Node& root, const scenario::RunParams& run,
-                         bool adaptive) {
-  const scenario::Node fem = root.section("fem");
+namespace {
+
+void refuse_late(const scenario::Node& fem, const scenario::RunParams& run, bool adaptive) {
   if (!fem.has("changes")) return;
   // A change is made before the first macro step that begins at or after it.
   const SimTime last_begin = (run.macro_steps() - 1) * run.macro_step;
@@ -24,6 +26,15 @@ void refuse_late_changes(const scenario::Node& root, const scenario::RunParams& 
                     at_s, at_s >= to_seconds(end) ? "not before the run's end" : "too late",
                     to_seconds(end),
                     adaptive ? "before" : fmt::format("at {:g} s", to_seconds(last_begin))));
+  }
+}
+
+}  // namespace
+
+void refuse_late_changes(const scenario::Node& root, const scenario::RunParams& run,
+                         bool adaptive) {
+  for (const scenario::FlexibleBody& body : scenario::flexible_bodies(root)) {
+    refuse_late(body.root.section("fem"), run, adaptive);
   }
 }
 

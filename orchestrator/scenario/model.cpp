@@ -12,6 +12,7 @@
 #include "orchestrator/scenario/nodal_scenario.h"
 #include "orchestrator/scenario/scenario_table.h"
 #include "protocol/contract/error.h"
+#include "protocol/driver/composite_fem.h"
 #include "protocol/schemes/transmission_line.h"
 
 namespace tandem::orchestrator {
@@ -48,11 +49,12 @@ scenario::Loaded load_complete(const std::filesystem::path& file,
   require_mesh_file(loaded.root);
   chosen = chosen_settings(loaded.root);
   std::vector<scenario::Override> more = chosen;
-  const scenario::Node fem = loaded.root.section("fem");
-  if (fem.has("mesh") && !fem.section("mesh").has("checksum")) {
+  for (const scenario::FlexibleBody& body : scenario::flexible_bodies(loaded.root)) {
+    const scenario::Node fem = body.root.section("fem");
+    if (!fem.has("mesh") || fem.section("mesh").has("checksum")) continue;
     const std::string checksum = fem::mesh_checksum(fem.section("mesh").path("file"));
     // In quotes: digits alone would be a number.
-    if (!checksum.empty()) more.push_back({"fem.mesh.checksum", "'" + checksum + "'"});
+    if (!checksum.empty()) more.push_back({fem.path_name("mesh.checksum"), "'" + checksum + "'"});
   }
   if (more.empty()) return loaded;
   overrides.insert(overrides.end(), more.begin(), more.end());
@@ -73,14 +75,18 @@ void check_adaptive(const Model& model) {
   if (params.max_step && *params.max_step < first) {
     adaptive.fail("max_step_s", "is shorter than run.macro_step_s, the first step. Raise it.");
   }
-  for (const char* side : {"mbs", "fem"}) {
-    if (!root.section(side).has("micro_step_s")) continue;
-    const SimTime h = sim_time_from_seconds(root.section(side).real("micro_step_s"));
+  std::vector<scenario::Node> sides{root.section("mbs")};
+  for (const scenario::FlexibleBody& body : model.bodies) {
+    sides.push_back(body.root.section("fem"));
+  }
+  for (const scenario::Node& side : sides) {
+    if (!side.has("micro_step_s")) continue;
+    const SimTime h = sim_time_from_seconds(side.real("micro_step_s"));
     if (shortest % h == SimTime{}) continue;
     adaptive.fail("min_step_s",
-                  fmt::format("the shortest macro step, {} s, is no whole multiple of "
-                              "{}.micro_step_s = {}. Write one here.",
-                              to_seconds(shortest), side, to_seconds(h)));
+                  fmt::format("the shortest macro step, {} s, is no whole multiple of {} = {}. "
+                              "Write one here.",
+                              to_seconds(shortest), side.path_name("micro_step_s"), to_seconds(h)));
   }
 }
 
@@ -95,6 +101,8 @@ Model load_model(const std::filesystem::path& file,
   model.name = root.text("name");
   model.run = scenario::read_run(root);
   model.coupling = read_coupling(root);
+  model.table = scenario::body_table(root);
+  model.bodies = scenario::flexible_bodies(root);
   check_adaptive(model);
   model.wire = read_wire(root);
   for (const scenario::PortParams& port : scenario::read_ports(root)) {
@@ -103,12 +111,34 @@ Model load_model(const std::filesystem::path& file,
   return model;
 }
 
+Model part_of(const Model& model, std::size_t body) {
+  if (model.bodies.size() == 1) return model;
+  Model part = model;
+  part.scenario.root = model.bodies[body].root;
+  part.port_names = of_ports(model.port_names, model.bodies[body].ports);
+  scenario::BodyPorts row{.name = model.bodies[body].name, .ports = {}};
+  for (std::size_t i = 0; i < part.port_names.size(); ++i) row.ports.push_back(i);
+  part.table = {row};
+  part.bodies = {{row.name, part.scenario.root, row.ports}};
+  return part;
+}
+
 std::unique_ptr<MbsSide> make_mbs(const Model& model, const std::filesystem::path& directory) {
   return mbs::make_side(model.scenario.root, directory);
 }
 
 std::unique_ptr<FemSide> make_fem(const Model& model, const std::filesystem::path& directory) {
-  return prepared_for(model.coupling, fem::make_model(model.scenario.root, directory));
+  std::vector<FemPart> parts;
+  for (const scenario::FlexibleBody& body : model.bodies) {
+    parts.push_back({body.name, make_fem(model, body, directory), body.ports});
+  }
+  return composed(std::move(parts));
+}
+
+std::unique_ptr<FemSide> make_fem(const Model& model, const scenario::FlexibleBody& body,
+                                  const std::filesystem::path& directory) {
+  const auto folder = fem::folder_of(directory, body.root, model.bodies.size());
+  return prepared_for(model.coupling, fem::make_model(body.root, folder));
 }
 
 }  // namespace tandem::orchestrator

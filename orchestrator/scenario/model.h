@@ -8,6 +8,7 @@
 #include "protocol/contract/subsystem.h"
 #include "protocol/driver/wire_params.h"
 #include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/flexible_bodies.h"
 #include "protocol/scenario/scenario_file.h"
 #include "protocol/schemes/coupling_params.h"
 
@@ -21,8 +22,13 @@ struct Model {
   CouplingParams coupling;
   WireParams wire;
   std::vector<std::string> port_names;
+  std::vector<scenario::BodyPorts> table;      ///< of the flexible bodies
+  std::vector<scenario::FlexibleBody> bodies;  ///< the same, each with its part of the scenario
   std::vector<scenario::Override> chosen;  ///< what the scenario left open, see chosen_settings()
 };
+
+/// The model as if this body were the only flexible one; itself where it is.
+[[nodiscard]] Model part_of(const Model& model, std::size_t body);
 
 /// Loads and validates with the whole key table; makes bodies and ports of nodes where the scenario
 /// couples them (see nodal_scenario.h).
@@ -33,6 +39,10 @@ struct Model {
 [[nodiscard]] std::unique_ptr<MbsSide> make_mbs(const Model& model,
                                                 const std::filesystem::path& directory);
 [[nodiscard]] std::unique_ptr<FemSide> make_fem(const Model& model,
+                                                const std::filesystem::path& directory);
+/// The side of one of several flexible bodies.
+[[nodiscard]] std::unique_ptr<FemSide> make_fem(const Model& model,
+                                                const scenario::FlexibleBody& body,
                                                 const std::filesystem::path& directory);
 
 }  // namespace tandem::orchestrator

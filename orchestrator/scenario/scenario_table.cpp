@@ -4,6 +4,7 @@
 #include "mbs_process/mbs_keys.h"
 #include "protocol/driver/wire_params.h"
 #include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/flexible_bodies.h"
 #include "protocol/schemes/coupling_params.h"
 
 namespace tandem::orchestrator {
@@ -19,6 +20,16 @@ const scenario::Section& scenario_table() {
           fem::fem_keys(), scenario::output_keys(), wire_keys()}) {
       root.keys.push_back(std::move(key));
     }
+    root.check = [](const scenario::Node& node) {
+      if (!node.has("fem") || !node.holds_list("fem")) return;
+      for (const scenario::FlexibleBody& body : scenario::flexible_bodies(node)) {
+        const scenario::Node fem = body.root.section("fem");
+        if (fem.text("model") == "ancf" || fem.text("coupling") != "nodal") continue;
+        fem.fail("coupling",
+                 "nodal makes bodies and ports of the nodes of one mesh, the only "
+                 "flexible body. Use ports.");
+      }
+    };
     return root;
   }();
   return table;
@@ -35,9 +46,18 @@ const scenario::Section& fem_scenario_table() {
   return table;
 }
 
+void require_one_body(const scenario::Node& root) {
+  if (!root.holds_list("fem")) return;
+  root.fail("fem",
+            "is a list of bodies. `tandem fem` computes one: give it a mapping, without "
+            "'- ' and name.");
+}
+
 void require_mesh_file(const scenario::Node& root) {
-  const scenario::Node fem = root.section("fem");
-  if (fem.has("mesh")) (void)fem.section("mesh").input_file("file");
+  for (const scenario::FlexibleBody& body : scenario::flexible_bodies(root)) {
+    const scenario::Node fem = body.root.section("fem");
+    if (fem.has("mesh")) (void)fem.section("mesh").input_file("file");
+  }
 }
 
 }  // namespace tandem::orchestrator

@@ -15,4 +15,7 @@ namespace tandem::orchestrator {
 /// error's.
 void require_mesh_file(const scenario::Node& root);
 
+/// A list of flexible bodies is for coupled runs: else a Usage error at `fem`.
+void require_one_body(const scenario::Node& root);
+
 }  // namespace tandem::orchestrator

@@ -91,24 +91,34 @@ bool is_second_order(const scenario::Node& fem) {
   return kind == "newmark" ? integrator.real("newmark_gamma") == 0.5 : kind != "backward_euler";
 }
 
+namespace {
+
+/// A run is of first order where one body is; what any body has, the run has.
+void add_body(const scenario::Node& fem, RunBooks& books) {
+  books.fem_second_order = books.fem_second_order && is_second_order(fem);
+  if (fem.text("model") == "ancf") {
+    books.contact = books.contact || has_contact(fem);
+    return;
+  }
+  const scenario::Node integrator = fem.section("integrator");
+  const bool reduced = fem.text("formulation") == "craig_bampton";
+  books.reduced = books.reduced || reduced;
+  books.linearised = books.linearised || (!reduced && integrator.text("kind") != "quasi_static" &&
+                                          integrator.integer("newton_steps") == 0);
+}
+
+}  // namespace
+
 RunBooks books_of_model(const Model& model, bool monolithic) {
   const scenario::Node& root = model.scenario.root;
-  const scenario::Node fem = root.section("fem");
   RunBooks books;
   const SchemeKind scheme = model.coupling.scheme;
   books.explicit_scheme = !monolithic && (scheme == SchemeKind::ExplicitSerial ||
                                           scheme == SchemeKind::ExplicitParallel);
   books.adaptive = model.coupling.adaptive.active();
   books.mbs_second_order = root.section("mbs").text("integrator") != "euler";
-  books.fem_second_order = is_second_order(fem);
-  if (fem.text("model") == "ancf") {
-    books.contact = has_contact(fem);
-  } else {
-    const scenario::Node integrator = fem.section("integrator");
-    books.reduced = fem.text("formulation") == "craig_bampton";
-    books.linearised = !books.reduced && integrator.text("kind") != "quasi_static" &&
-                       integrator.integer("newton_steps") == 0;
-  }
+  books.fem_second_order = true;
+  for (const scenario::FlexibleBody& body : model.bodies) add_body(body.root.section("fem"), books);
   books.lightest_port_body_kg = lightest_kg(model, port_bodies(model));
   return books;
 }

@@ -122,6 +122,7 @@ std::optional<Finding> unstable_verlet(const Model& model, const mbs::Params& pa
   const auto loose = [](const fem::Model::Port& port) { return port.attachment.loose(); };
   if (params.integrator != mbs::IntegratorKind::Verlet || params.newmark_beta >= 0.25 ||
       body.params.nodal || body.params.formulation == fem::FormulationKind::CraigBampton ||
+      body.ports.size() != params.ports.size() ||  // one of several bodies
       std::any_of(body.ports.begin(), body.ports.end(), loose)) {
     return std::nullopt;
   }

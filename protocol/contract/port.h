@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ struct PortInfo {
   /// Length (m) that turns torques into forces in the residual norm. The flexible side states the
   /// root-mean-square distance of the port's nodes from Po; 0 = this side has none to offer.
   double length_m = 0.0;
+  /// Which of several flexible bodies holds it, counted from 0: a body's ports feel each other
+  /// alone.
+  std::int32_t body = 0;
 };
 
 /// λ as one vector, 6 per port: [f_x f_y f_z t_x t_y t_z | …].

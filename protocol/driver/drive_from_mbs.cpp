@@ -2,10 +2,10 @@
 
 #include "protocol/driver/control_inbox.h"
 #include "protocol/driver/coupled_run.h"
+#include "protocol/driver/remote_bodies.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/handshake.h"
 #include "protocol/wire/journal_sender.h"
-#include "protocol/wire/remote_side.h"
 
 namespace tandem {
 namespace {
@@ -37,11 +37,10 @@ class SendingSink final : public StepSink {
 int drive_from_mbs(SideContext& context, MbsSide& mbs) {
   const wire::HelloServer hello(context.bus, mbs.info(), context.scenario.hash, kTandemVersion);
   context.heartbeat.set_phase("waiting for tandem-fem");
-  wire::RemoteFem fem(context.bus, context.monitor,
-                      {.side = wire::Process::Fem,
-                       .scenario_hash = context.scenario.hash,
-                       .port_names = context.port_names,
-                       .tandem_version = kTandemVersion});
+  RemoteBodies fem(context.bus, context.monitor, context.bodies,
+                   {.scenario_hash = context.scenario.hash,
+                    .port_names = context.port_names,
+                    .tandem_version = kTandemVersion});
   context.heartbeat.set_phase("waiting for tandem");
   wire::await_hello(hello, context.monitor, context.wire.start_timeout_s);
   context.heartbeat.set_phase("stepping");
@@ -53,11 +52,11 @@ int drive_from_mbs(SideContext& context, MbsSide& mbs) {
   CoupledRunParams params = scheme_run(context.run, coupling);
   params.commands = &inbox;
   params.energy_every_steps = scenario::read_output(context.scenario.root).energy_every_steps;
-  RunReport report = run_coupled(params, {mbs, Locality::Here}, {fem, Locality::Elsewhere}, sink);
+  RunReport report =
+      run_coupled(params, {mbs, Locality::Here}, {fem.side(), Locality::Elsewhere}, sink);
   report.ledger.book_lost(context.bus.counts().damaged);
   context.heartbeat.set_phase("ending");
   fem.close();
-  context.monitor.release(wire::Process::Fem);
   sender.finish({.exit_code = report.exit_code(),
                  .message = report.message,
                  .summary_json = to_json(report).dump()});

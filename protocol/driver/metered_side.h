@@ -12,7 +12,9 @@ struct SideMeter {
   CallCost cost;             ///< as the side reports it
   double duration_s = 0.0;   ///< time the caller spent inside the calls
   double discarded_s = 0.0;  ///< compute of advances that were rolled back
-  double overlap_s = 0.0;    ///< time of begun advances that passed outside of the calls
+  /// Booked time that passed beside other booked time: of begun advances outside of the calls, and
+  /// of bodies that compute at the same time.
+  double overlap_s = 0.0;
   double pending_s = 0.0;    ///< compute of the last advance, discarded if a rollback follows
 };
 
@@ -53,6 +55,8 @@ class MeteredSide final : public Subsystem<In, Out> {
     StepResult<Out> result = inner_.advance(request);
     const double duration_s = now_s() - start_s;
     if (locality_ == Locality::Here) result.cost.compute_s = duration_s;
+    // Several bodies of one side compute at the same time.
+    meter_.overlap_s += std::max(0.0, result.cost.total_s() - duration_s);
     book_advance(result.cost, duration_s);
     return result;
   }

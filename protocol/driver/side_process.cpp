@@ -1,6 +1,7 @@
 #include "protocol/driver/side_process.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 
 #include "protocol/contract/error.h"
 #include "protocol/driver/process_memory.h"
+#include "protocol/driver/remote_bodies.h"
 #include "protocol/driver/standard_streams.h"
 #include "protocol/wire/server.h"
 
@@ -23,6 +25,7 @@ struct Options {
   int port = 0;
   std::string directory;
   int parent_pid = 0;
+  std::string body;
 };
 
 void declare(CLI::App& app, Options& options) {
@@ -34,6 +37,8 @@ void declare(CLI::App& app, Options& options) {
       ->required()
       ->check(CLI::Range(1024, 65535));
   app.add_option("--dir", options.directory, "Run folder for the files that this side writes");
+  app.add_option("--body", options.body,
+                 "Name of the flexible body, where the scenario has several");
   app.add_option("--parent", options.parent_pid, "Pid of the starting process: end when it ends");
   app.footer(
       "Started by `tandem run`; by hand only for debugging, with the values that\n"
@@ -63,6 +68,7 @@ scenario::Section side_table(const SideProgram& program) {
                 coupling_keys(),
                 wire_keys(),
                 program.keys};
+  if (program.self != wire::Process::Fem) table.keys.push_back(scenario::flexible_names_key());
   return table;
 }
 
@@ -73,12 +79,29 @@ std::vector<std::string> port_names(const scenario::Node& root) {
 }
 
 /// The partners whose silence ends this process: the driver, and the orchestrator that grants
-/// steps.
-std::vector<wire::Process> partners_of(const SideProgram& program, wire::Process driver) {
+/// steps; of the driver all flexible bodies.
+std::vector<wire::Process> partners_of(const SideProgram& program, wire::Process driver,
+                                       const std::vector<scenario::BodyPorts>& bodies) {
   using wire::Process;
-  if (driver == program.self) return {Process::Fem, Process::Orchestrator};
   if (driver == Process::Orchestrator) return {Process::Orchestrator};
-  return {driver, Process::Orchestrator};
+  std::vector<Process> partners{driver};
+  if (driver == program.self) partners = processes_of(bodies);
+  partners.push_back(Process::Orchestrator);
+  return partners;
+}
+
+/// Which of the flexible bodies a tandem-fem is to be.
+std::size_t body_of(const std::vector<scenario::BodyPorts>& bodies, const std::string& name) {
+  if (bodies.size() == 1) return 0;
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].name == name) return b;
+    names.push_back(bodies[b].name);
+  }
+  throw Error(ErrorKind::Usage,
+              fmt::format("--body: {}. The scenario has several flexible bodies: {}.",
+                          name.empty() ? "is missing" : "'" + name + "' is none of them",
+                          fmt::join(names, ", ")));
 }
 
 /// Until every partner has been heard: starting takes longer than an answer in mid-run may.
@@ -87,7 +110,7 @@ void await(const std::vector<wire::Process>& partners, wire::Bus& bus, wire::Hea
   wire::LivenessMonitor monitor(bus, partners, start_timeout_s, parent_pid);
   for (wire::Process partner : partners) {
     if (!monitor.heard_from(partner)) {
-      heartbeat.set_phase(std::string("waiting for ") + executable_of(partner));
+      heartbeat.set_phase("waiting for " + bus.program_of(partner));
     }
     while (!monitor.heard_from(partner)) monitor.wait(0.02);
   }
@@ -95,29 +118,41 @@ void await(const std::vector<wire::Process>& partners, wire::Bus& bus, wire::Hea
 
 int join_run(const SideProgram& program, const Options& options,
              const std::function<int(SideContext&)>& body) {
-  const auto loaded =
+  auto loaded =
       scenario::load(options.scenario, side_table(program), {}, scenario::UnknownKeys::Ignore);
+  const std::vector<scenario::BodyPorts> bodies = scenario::body_table(loaded.root);
+  require(bodies.size() <= wire::kMostBodies,
+          fmt::format("{}: {} flexible bodies; a run holds {} at most.", program.name,
+                      bodies.size(), wire::kMostBodies));
+  wire::Process self = program.self;
+  if (self == wire::Process::Fem) {
+    const std::size_t own = body_of(bodies, options.body);
+    self = wire::body_process(own, bodies.size());
+    loaded.root = scenario::flexible_bodies(loaded.root)[own].root;
+  }
   const WireParams params = read_wire(loaded.root);
   wire::BusOptions bus_options;
-  bus_options.self = program.self;
+  bus_options.self = self;
+  bus_options.names = process_names(bodies);
   bus_options.run_id = parse_run_id(options.run_id_hex);
   bus_options.port = options.port;
   bus_options.ttl = static_cast<int>(params.ttl);
   bus_options.receive = params.receive;
   const wire::Process driver =
       params.driver == DriverPlace::Mbs ? wire::Process::Mbs : wire::Process::Orchestrator;
-  bus_options.wait = wait_in_run(params.wait, params.placement, program.self, driver);
-  place_process(params.placement, program.self, driver, bus_options.run_id);
+  bus_options.wait = wait_in_run(params.wait, params.placement, self, driver);
+  place_process(params.placement, self, driver, bus_options.run_id);
   wire::Bus bus(bus_options);
   try {
     wire::Heartbeat heartbeat(bus, params.timeout_s);
-    const std::vector<wire::Process> partners = partners_of(program, driver);
+    const std::vector<wire::Process> partners = partners_of(program, driver, bodies);
     await(partners, bus, heartbeat, params.start_timeout_s, options.parent_pid);
     wire::LivenessMonitor monitor(bus, partners, params.timeout_s, options.parent_pid);
     SideContext context{.scenario = loaded,
                         .run = scenario::read_run(loaded.root),
                         .wire = params,
                         .port_names = port_names(loaded.root),
+                        .bodies = bodies,
                         .directory = options.directory,
                         .bus = bus,
                         .heartbeat = heartbeat,
@@ -174,7 +209,7 @@ namespace {
 
 template <class Side>
 void serve(SideContext& context, Side& side) {
-  context.heartbeat.set_phase("waiting for " + std::string(executable_of(context.driver)));
+  context.heartbeat.set_phase("waiting for " + context.bus.program_of(context.driver));
   wire::serve(side, context.bus, context.monitor,
               {.scenario_hash = context.scenario.hash,
                .tandem_version = kTandemVersion,

@@ -8,6 +8,7 @@
 
 #include "protocol/driver/wire_params.h"
 #include "protocol/scenario/common_keys.h"
+#include "protocol/scenario/flexible_bodies.h"
 #include "protocol/scenario/scenario_file.h"
 #include "protocol/schemes/coupling_params.h"
 #include "protocol/wire/bus.h"
@@ -19,7 +20,7 @@ inline constexpr const char* kTandemVersion = "0.1.0";
 
 /// What makes tandem-mbs and tandem-fem different from each other.
 struct SideProgram {
-  wire::Process self;
+  wire::Process self;       ///< Mbs or Fem
   std::string name;         ///< "tandem-fem"
   std::string description;  ///< for --help
   scenario::Key keys;       ///< the scenario section of this side
@@ -27,10 +28,11 @@ struct SideProgram {
 
 /// What a side process has in hand once it has joined its run.
 struct SideContext {
-  scenario::Loaded scenario;
+  scenario::Loaded scenario;  ///< as this side reads it: of several flexible bodies its own alone
   scenario::RunParams run;
   WireParams wire;
-  std::vector<std::string> port_names;
+  std::vector<std::string> port_names;      ///< of this side
+  std::vector<scenario::BodyPorts> bodies;  ///< the flexible ones of the run
   std::filesystem::path directory;  ///< run folder for files of this side; empty = write none
   wire::Bus& bus;
   wire::Heartbeat& heartbeat;

@@ -121,6 +121,8 @@ Key ports_keys() {
           .doc_is("Node set (physical group) of the mesh that is attached to the port; left out "
                   "where the "
                   "port's body is felt by contact alone (fem.model: ancf)."),
+      name("flexible")
+          .doc_is("Name of the flexible body that the port belongs to, where fem lists several."),
       reals("position_m", "m")
           .count(3)
           .doc_is("Position p_WP of the port's origin at t = 0 in world axes; left out: the port "
@@ -147,6 +149,7 @@ std::vector<PortParams> read_ports(const Node& root) {
     port.name = node.text("name");
     port.body = node.text("body");
     if (node.has("node_set")) port.node_set = node.text("node_set");
+    if (node.has("flexible")) port.flexible = node.text("flexible");
     port.q_WP = node.quaternion_wxyz("orientation_wxyz");
     port.at_body_frame = !node.has("position_m");
     if (!port.at_body_frame) port.p_WP = node.vector3("position_m");

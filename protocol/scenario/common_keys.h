@@ -32,6 +32,7 @@ struct PortParams {
   std::string name;
   std::string body;      ///< rigid body on the multibody side
   std::string node_set;  ///< node set (physical group) on the flexible side; empty: none given
+  std::string flexible;  ///< the flexible body, of several; empty: there is one
   Eigen::Vector3d p_WP = Eigen::Vector3d::Zero();            ///< Po at t = 0 in W (m)
   Eigen::Quaterniond q_WP = Eigen::Quaterniond::Identity();  ///< P at t = 0 in W
   bool at_body_frame = true;  ///< no position given: P is the body's own frame

@@ -60,6 +60,14 @@ Json array_of(Json items, const Key& key) {
   return schema;
 }
 
+/// A list in place of one mapping: its entries need names.
+Json list_schema(const Section& section) {
+  Json entry = object_schema(section);
+  if (!entry.contains("required")) entry["required"] = Json::array();
+  entry["required"].push_back("name");
+  return {{"type", "array"}, {"items", std::move(entry)}, {"minItems", 1}};
+}
+
 Json type_schema(const Key& key) {
   const Json name = {{"type", "string"}, {"pattern", "^[A-Za-z][A-Za-z0-9_]*$"}};
   Json real = {{"type", "number"}};
@@ -85,7 +93,8 @@ Json type_schema(const Key& key) {
     case Type::Names:
       return array_of(name, key);
     case Type::Section:
-      return object_schema(*key.section);
+      if (!key.or_list) return object_schema(*key.section);
+      return {{"anyOf", Json::array({object_schema(*key.section), list_schema(*key.section)})}};
     case Type::Sections:
       return array_of(object_schema(*key.section), key);
   }

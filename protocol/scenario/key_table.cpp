@@ -72,6 +72,11 @@ Key& Key::of_unit_length() {
   return *this;
 }
 
+Key& Key::or_several() {
+  or_list = true;
+  return *this;
+}
+
 Key& Key::only_when(std::string key, std::vector<std::string> values) {
   when_key = std::move(key);
   when_values = std::move(values);

@@ -121,6 +121,13 @@ Eigen::Quaterniond Node::quaternion_wxyz(std::string_view key) const {
   return q.normalized();
 }
 
+bool Node::holds_list(std::string_view key) const {
+  (void)row_of(*data_, key);
+  const auto value = data_->values.find(key);
+  return value != data_->values.end() &&
+         std::holds_alternative<std::vector<DataPtr>>(value->second.content);
+}
+
 Node Node::section(std::string_view key) const { return Node(content_of<DataPtr>(*data_, key)); }
 
 std::vector<Node> Node::list(std::string_view key) const {

@@ -45,6 +45,8 @@ class Node {
   /// Reads [w, x, y, z] and normalises. Fails at the place when the norm is off by more than 1e-3.
   [[nodiscard]] Eigen::Quaterniond quaternion_wxyz(std::string_view key) const;
   [[nodiscard]] Node section(std::string_view key) const;
+  /// Whether a list stands where one mapping may (Key::or_several): then ask for list().
+  [[nodiscard]] bool holds_list(std::string_view key) const;
   [[nodiscard]] std::vector<Node> list(std::string_view key) const;
 
   /// The mapping itself, for what walks through all of them.

@@ -67,15 +67,16 @@ class Walk {
       }
       return;
     }
-    if (key->type == Type::Section) {
+    const bool is_list = child != nullptr && child->kind == Kind::List;
+    if (key->type == Type::Section && !(key->or_list && is_list)) {
       if (child == nullptr)
         child = &yaml.entries.emplace_back(YamlEntry{key->name, value_.place, {}}).value;
       return into_mapping(*child, *key->section, depth + 1);
     }
-    if (key->type != Type::Sections && key->type != Type::Reals && key->type != Type::Names) {
+    if (!key->section && key->type != Type::Reals && key->type != Type::Names) {
       return refuse(depth + 1, "is a single value; there is nothing below it. Shorten the path.");
     }
-    if (child == nullptr || child->kind != Kind::List) {
+    if (!is_list) {
       return refuse(depth + 1, "is not a list in the file. Set the whole list, [a, b, …].");
     }
     into_list(*child, *key, depth + 1);
@@ -109,7 +110,7 @@ class Walk {
     }
     if (depth + 1 == words_.size()) {
       *item = value_;
-    } else if (key.type == Type::Sections) {
+    } else if (key.section) {
       into_mapping(*item, *key.section, depth + 1);
     } else {
       refuse(depth + 1, "is a single value; there is nothing below it. Shorten the path.");

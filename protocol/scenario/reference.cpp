@@ -77,6 +77,7 @@ class Page {
                             : fmt::format("{} ({})", key.section->title, child_path(path, key));
     const std::string count = count_text(key);
     const std::string link = fmt::format("[{}](#{})", key.section->title, anchor(title));
+    if (key.or_list) return fmt::format("{}, or a list of them with names", link);
     if (key.type == Type::Section) return link;
     return count.empty() ? fmt::format("list of {}", link)
                          : fmt::format("list of {} {}", count, link);

@@ -181,6 +181,7 @@ class Validator {
         return scalars<std::string>(yaml, key, path,
                                     [&](const YamlValue& item) { return parse_name(item); });
       case Type::Section: {
+        if (key.or_list && yaml.kind == Kind::List) return mappings(yaml, key, path);
         Validated inner = mapping(yaml, key.section, path);
         return Checked{{yaml.place, std::move(inner.data)}, std::move(inner.resolved)};
       }
@@ -265,6 +266,10 @@ class Validator {
     for (std::size_t i = 0; i < yaml.items.size(); ++i) {
       const YamlValue* name = named ? yaml.items[i].find("name") : nullptr;
       const bool good = name != nullptr && parse_name(*name).wrong.empty();
+      if (name == nullptr && key.or_list && yaml.items[i].kind == Kind::Mapping) {
+        report(yaml.items[i].place, join_path(path, std::to_string(i)),
+               "has no name. Each of several needs one: name: …");
+      }
       const std::string entry_path = join_path(path, good ? name->text : std::to_string(i));
       if (good) {
         const auto [first, is_new] = seen.emplace(name->text, name->place);

@@ -72,16 +72,16 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
     : params_(params),
       ports_(std::move(ports)),
       mbs_block_(params.jacobian.mbs_refresh, params.jacobian.every_steps),
-      fem_block_(params.jacobian.fem_refresh, params.jacobian.every_steps, kFemSecants),
+      fem_blocks_(ports_, params.jacobian.fem_refresh, params.jacobian.every_steps, kFemSecants),
       floor_(1, params.tolerance_N) {}
 
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {
   NewtonPath path(predict_wrenches(params_.prediction, state, H));
   floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
-  fem_block_.turn_with(state.motions);
+  fem_blocks_.turn_with(state.motions);
   Linearize linearize{.mbs = mbs_block_.begin_step(H),
-                      .fem = fem_block_.begin_step(H, micro_steps_of(fem, H))};
+                      .fem = fem_blocks_.begin_step(H, micro_steps_of(fem, H))};
   Eigen::PartialPivLU<Eigen::MatrixXd> newton_matrix;
   double round_off_N = 0.0, pose_N = 0.0;
   bool patient = true, changed = true;  // the matrix is to be made anew
@@ -100,17 +100,17 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     if (k > 1) {
       changed |= mbs_block_.learn(stack(lambda) - stack(path.last()),
                                   difference(last.motions, evaluation.motions));
-      changed |= fem_block_.learn(difference(last.seen, evaluation.seen),
-                                  stack(evaluation.wrenches) - stack(last.wrenches),
-                                  motion_weights(ports_, H));
+      changed |= fem_blocks_.learn(difference(last.seen, evaluation.seen),
+                                   stack(evaluation.wrenches) - stack(last.wrenches),
+                                   motion_weights(ports_, H));
     }
     if (linearize.mbs) mbs_block_.take(evaluation.mbs_jacobian);
-    if (linearize.fem) fem_block_.take(evaluation.fem_jacobian);
+    if (linearize.fem) fem_blocks_.take(evaluation.fem_jacobian);
     if (k == 1 || linearize.fem) {
-      round_off_N = wrench_round_off_N(evaluation.seen, fem_block_.value(), ports_);
-      pose_N = pose_round_off_N(H, evaluation.seen, fem_block_.value(), ports_);
+      round_off_N = wrench_round_off_N(evaluation.seen, fem_blocks_.value(), ports_);
+      pose_N = pose_round_off_N(H, evaluation.seen, fem_blocks_.value(), ports_);
     }
-    const Eigen::VectorXd residual = newton_residual(evaluation, fem_block_.value());
+    const Eigen::VectorXd residual = newton_residual(evaluation, fem_blocks_.value());
     const double limit_N = residual_limit_N(params_, evaluation, floor_.largest_N()) + round_off_N;
     if (evaluation.apart) {
       patient = false;
@@ -139,7 +139,7 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
       // r(λ + δ) ≈ r(λ) + (L B − I) δ = 0.
       const Eigen::Index n = residual.size();
       newton_matrix.compute(Eigen::MatrixXd::Identity(n, n) -
-                            fem_block_.value() * mbs_block_.value());
+                            fem_blocks_.value() * mbs_block_.value());
       changed = false;
     }
     if (linearize.fem) path.linearised(end.residual_N);

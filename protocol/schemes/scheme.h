@@ -8,6 +8,7 @@
 
 #include "protocol/contract/subsystem.h"
 #include "protocol/schemes/accelerator.h"
+#include "protocol/schemes/body_blocks.h"
 #include "protocol/schemes/coupling_params.h"
 #include "protocol/schemes/jacobian_block.h"
 #include "protocol/schemes/macro_step.h"
@@ -94,7 +95,8 @@ class InterfaceJacobianScheme final : public Scheme {
  private:
   CouplingParams params_;
   std::vector<PortInfo> ports_;
-  JacobianBlock mbs_block_, fem_block_;
+  JacobianBlock mbs_block_;
+  BodyBlocks fem_blocks_;
   ResidualFloor floor_;
 };
 

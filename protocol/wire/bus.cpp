@@ -45,16 +45,17 @@ struct Bus::State {
       socket = own.get();
       receiver = std::move(own);
     }
-    for (std::size_t topic = 0; topic < kProcesses; ++topic) {
+    for (std::size_t topic = 0; topic < kFirstBody + given.names.bodies(); ++topic) {
+      auto& own = channels.emplace_back();
       for (std::size_t kind = 0; kind < kKinds; ++kind) {
-        channels[topic][kind] = filter.prefix + text_of(static_cast<Process>(topic)) + "_" +
-                                text_of(static_cast<Kind>(kind));
+        own[kind] = filter.prefix + text_of(static_cast<Process>(topic)) + "_" +
+                    text_of(static_cast<Kind>(kind));
       }
     }
   }
 
   [[nodiscard]] const std::string& channel(Process topic, Kind kind) const {
-    return channels[static_cast<std::size_t>(topic)][static_cast<std::size_t>(kind)];
+    return channels.at(static_cast<std::size_t>(topic))[static_cast<std::size_t>(kind)];
   }
   void send(const std::string& channel, ByteView message);
   void handle(const Datagram& incoming);
@@ -65,7 +66,7 @@ struct Bus::State {
 
   BusOptions options;
   ChannelFilter filter;
-  std::array<std::array<std::string, kKinds>, kProcesses> channels;
+  std::vector<std::array<std::string, kKinds>> channels;  ///< by process
   std::unique_ptr<Receiver> receiver;
   MulticastSocket* socket = nullptr;  // the receiver, when it can filter
   LoopbackRoute loopback;
@@ -128,7 +129,7 @@ void Bus::self_test() {
           fmt::format("wire: {} does not hear its own messages on udp {}:{} within {:.1f} "
                       "s{}. A firewall filters multicast or its route leads nowhere: accept "
                       "udp to {} and, on one host, `ip route add 224.0.0.0/4 dev lo`.",
-                      executable_of(state_->options.self), kGroup, state_->options.port,
+                      program_of(state_->options.self), kGroup, state_->options.port,
                       state_->options.self_test_s,
                       send_error().empty() ? "" : " (sending: " + send_error() + ")", kGroup));
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "protocol/wire/process_names.h"
 #include "protocol/wire/receiver.h"
 #include "protocol/wire/seal.h"
 
@@ -16,7 +17,8 @@ struct BusOptions {
   Process self = Process::Tool;
   std::uint64_t run_id = 0;
   int port = 0;  ///< private to the run; free_port()
-  int ttl = 0;   ///< 0 = this host only, 1 = one subnet
+  ProcessNames names;
+  int ttl = 0;  ///< 0 = this host only, 1 = one subnet
   int receive_buffer_bytes = 4194304;
   Receive receive = Receive::Own;
   Wait wait = Wait::Block;   ///< of Receive::Own
@@ -103,6 +105,10 @@ class Bus {
   /// A header for a message of this process; sequence numbers are the caller's.
   [[nodiscard]] Header header(Kind kind, std::int64_t sequence = 0) const;
 
+  [[nodiscard]] std::string name_of(Process process) const { return options().names.name(process); }
+  [[nodiscard]] std::string program_of(Process process) const {
+    return options().names.program(process);
+  }
   [[nodiscard]] const BusOptions& options() const;
   [[nodiscard]] BusCounts counts() const;
   [[nodiscard]] int receive_buffer_bytes() const;  ///< what the kernel granted

@@ -15,25 +15,26 @@ namespace {
 
 constexpr double kHelloPeriod_s = 0.05;
 
-void check(const Handshake& welcome, const RemoteOptions& options) {
-  require(welcome.refusal.empty(), fmt::format("{}: {} refuses the run: {}", text_of(options.side),
-                                               executable_of(options.side), welcome.refusal));
+void check(const Bus& bus, const Handshake& welcome, const RemoteOptions& options) {
+  require(welcome.refusal.empty(),
+          fmt::format("{}: {} refuses the run: {}", bus.name_of(options.side),
+                      bus.program_of(options.side), welcome.refusal));
   const std::size_t here = options.port_names.size();
   const std::size_t there = welcome.ports.size();
   for (std::size_t i = 0; i < std::max(here, there); ++i) {
     const std::string name_here = i < here ? options.port_names[i] : "none";
     const std::string name_there = i < there ? welcome.ports[i].name : "none";
     require(name_here == name_there,
-            fmt::format("{}: port {} is '{}' there, but '{}' here", text_of(options.side), i + 1,
-                        name_there, name_here));
+            fmt::format("{}: port {} is '{}' there, but '{}' here", bus.name_of(options.side),
+                        i + 1, name_there, name_here));
   }
 }
 
-Error silent(const char* who, Process process, double timeout_s, const char* what) {
+Error silent(const Bus& bus, Process process, double timeout_s, const char* what) {
   return {ErrorKind::Partner,
           fmt::format("{}: {} lives, but has not {} within {:.3g} s: it is of another version. "
                       "Install both from one build.",
-                      who, executable_of(process), what, timeout_s)};
+                      bus.name_of(bus.options().self), bus.program_of(process), what, timeout_s)};
 }
 
 }  // namespace
@@ -52,14 +53,15 @@ Handshake greet(Bus& bus, LivenessMonitor& monitor, const RemoteOptions& options
   hello.scenario_hash = options.scenario_hash;
   hello.receive_buffer_bytes = bus.receive_buffer_bytes();
   hello.process_id = static_cast<std::int32_t>(getpid());
-  for (const std::string& name : options.port_names) hello.ports.push_back({name, 0.0});
+  for (const std::string& name : options.port_names)
+    hello.ports.push_back({.name = name, .length_m = 0.0, .body = 0});
   const double end_s = now_s() + timeout_s;
   double send_s = 0.0;
   // Messages are not kept for late subscribers: say hello until the side is up and answers.
   for (std::int64_t n = 1; !welcome && !other_schema;) {
     const double time_s = now_s();
     if (time_s > end_s) {
-      throw silent(text_of(bus.options().self), options.side, timeout_s, "answered a hello");
+      throw silent(bus, options.side, timeout_s, "answered a hello");
     }
     if (time_s >= send_s) {
       hello.header = bus.header(Kind::Hello, n++);
@@ -72,9 +74,9 @@ Handshake greet(Bus& bus, LivenessMonitor& monitor, const RemoteOptions& options
   require(!other_schema,
           fmt::format("{}: {} speaks another message schema than this {}. Install both from one "
                       "build.",
-                      text_of(options.side), executable_of(options.side),
-                      executable_of(bus.options().self)));
-  check(*welcome, options);
+                      bus.name_of(options.side), bus.program_of(options.side),
+                      bus.program_of(bus.options().self)));
+  check(bus, *welcome, options);
   return *welcome;
 }
 
@@ -142,7 +144,7 @@ void HelloServer::on_hello(ByteView message) {
 void await_hello(const HelloServer& server, LivenessMonitor& monitor, double timeout_s) {
   const double end_s = now_s() + timeout_s;
   while (!server.greeted() && server.refusal().empty()) {
-    if (now_s() > end_s) throw silent("mbs", Process::Orchestrator, timeout_s, "said hello");
+    if (now_s() > end_s) throw silent(server.bus(), Process::Orchestrator, timeout_s, "said hello");
     monitor.wait(kHelloPeriod_s);
   }
   if (!server.refusal().empty()) {

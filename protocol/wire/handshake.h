@@ -12,7 +12,7 @@ namespace tandem::wire {
 
 /// What the process that says hello expects of the one that answers.
 struct RemoteOptions {
-  Process side = Process::Fem;  ///< Mbs or Fem
+  Process side = Process::Fem;  ///< Mbs, Fem or one of several bodies
   std::uint64_t scenario_hash = 0;
   std::vector<std::string> port_names;
   std::string tandem_version;
@@ -32,6 +32,7 @@ class HelloServer {
   /// Whether a hello has come that fits, and why one was refused; empty = none was.
   [[nodiscard]] bool greeted() const { return greeted_; }
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
+  [[nodiscard]] const Bus& bus() const { return bus_; }
 
  private:
   void on_hello(ByteView message);

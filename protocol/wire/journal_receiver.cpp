@@ -74,7 +74,7 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
                 fmt::format("orchestrator: message {} of the journal (macro step {}) cannot be "
                             "decoded: {} speaks another message schema. Install both from one "
                             "build.",
-                            header.sequence, header.macro_step, executable_of(header.sender)));
+                            header.sequence, header.macro_step, bus_.program_of(header.sender)));
   }
   ahead_.emplace(header.sequence, Message{std::move(entries), message.size()});
   for (auto first = ahead_.begin(); first != ahead_.end() && first->first == arrived_ + 1;

@@ -136,7 +136,7 @@ void LivenessMonitor::check(double time_s) {
   if (parent_pid_ > 0 && getppid() != parent_pid_) {
     throw Error(ErrorKind::Partner,
                 fmt::format("{}: the process that started it (pid {}) has ended (macro step {})",
-                            text_of(bus_.options().self), parent_pid_, macro_step_));
+                            bus_.name_of(bus_.options().self), parent_pid_, macro_step_));
   }
   for (Partner& partner : partners_) {
     if (partner.released || time_s < partner.deadline_s) continue;
@@ -156,7 +156,7 @@ void LivenessMonitor::on_abort(const Abort& abort) const {
   const bool passed_on = abort.text.find(kEnded) != std::string::npos;
   throw Error(kind_of_exit_code(abort.exit_code),
               passed_on ? abort.text
-                        : fmt::format("{}{}{}: {}", executable_of(abort.header.sender), kEnded,
+                        : fmt::format("{}{}{}: {}", bus_.program_of(abort.header.sender), kEnded,
                                       abort.exit_code, abort.text));
 }
 
@@ -169,14 +169,14 @@ void LivenessMonitor::fail_silent(const Partner& partner) const {
         fmt::format(
             "{}: {} has not been heard within {:.3g} s: it was not started, ended early, or "
             "uses another run id or multicast port (here: port {}).{}",
-            text_of(bus_.options().self), executable_of(partner.process), timeout_s_,
+            bus_.name_of(bus_.options().self), bus_.program_of(partner.process), timeout_s_,
             bus_.options().port, sending));
   }
   throw Error(
       ErrorKind::Partner,
       fmt::format("{}: nothing heard from {} for {:.3g} s (macro step {}; it was last {}): "
                   "it was stopped, killed or lost its network.{}",
-                  text_of(bus_.options().self), executable_of(partner.process), timeout_s_,
+                  bus_.name_of(bus_.options().self), bus_.program_of(partner.process), timeout_s_,
                   macro_step_, partner.phase.empty() ? "answering" : partner.phase, sending));
 }
 

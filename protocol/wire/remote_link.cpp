@@ -116,18 +116,18 @@ Reply& RemoteLink::finish(CallCost& cost) {
   const double finish_s = now_s();
   await_reply();
   if (other_schema_) {
-    throw Error(
-        ErrorKind::Partner,
-        fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "
-                    "message schema. Install both from one build.",
-                    text_of(options_.side), sequence_, macro_step_, executable_of(options_.side)));
+    throw Error(ErrorKind::Partner,
+                fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "
+                            "message schema. Install both from one build.",
+                            bus_.name_of(options_.side), sequence_, macro_step_,
+                            bus_.program_of(options_.side)));
   }
   open_cost_.decode_s = decode_s_;
   book(std::max(0.0, arrival_s_ - finish_s));
   cost += open_cost_;
   total_ += open_cost_;
   if (reply_.error) {
-    const std::string name = std::string(text_of(options_.side)) + ": ";
+    const std::string name = std::string(bus_.name_of(options_.side)) + ": ";
     const bool named = reply_.message.starts_with(name);
     throw Error(*reply_.error, (named ? "" : name) + reply_.message);
   }
@@ -141,7 +141,7 @@ void RemoteLink::check_reply() const {
     throw Error(ErrorKind::Partner,
                 fmt::format("{}: reply {} of {} (macro step {}, iteration {}) {}. Is a second "
                             "driver on this run?",
-                            text_of(options_.side), sequence_, executable_of(options_.side),
+                            bus_.name_of(options_.side), sequence_, bus_.program_of(options_.side),
                             macro_step_, iteration_, what));
   };
   if (reply_.header.macro_step != macro_step_ || reply_.header.iteration != iteration_) {

@@ -17,7 +17,7 @@ class RemoteSide final : public Subsystem<In, Out> {
   RemoteSide(Bus& bus, LivenessMonitor& monitor, const RemoteOptions& options)
       : link_(bus, monitor, options) {
     const Handshake welcome = link_.connect();
-    info_ = {.name = text_of(options.side),
+    info_ = {.name = bus.name_of(options.side),
              .ports = welcome.ports,
              .micro_step = welcome.micro_step,
              .can_linearize = welcome.can_linearize};

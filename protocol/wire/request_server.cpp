@@ -59,7 +59,7 @@ void RequestServer::look_at(const HelloServer& hello) {
   if (!hello.refusal().empty() && !failure_) {
     failure_ = std::make_exception_ptr(
         Error(ErrorKind::Usage, fmt::format("{}: the driver does not fit: {}",
-                                            text_of(bus_.options().self), hello.refusal())));
+                                            bus_.name_of(bus_.options().self), hello.refusal())));
   }
 }
 
@@ -76,7 +76,7 @@ void RequestServer::on_request(const Header& header, ByteView message) {
               fmt::format(
                   "{}: request {} (macro step {}) arrived after request {}: the ones between were "
                   "never sent. Is a second driver on this run?",
-                  text_of(bus_.options().self), header.sequence, header.macro_step, last_)));
+                  bus_.name_of(bus_.options().self), header.sequence, header.macro_step, last_)));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <string>
 
 #include "protocol/wire/crc32.h"
 
@@ -75,7 +76,7 @@ const char* text_of(Kind kind) {
   return "unknown";
 }
 
-const char* text_of(Process process) {
+std::string text_of(Process process) {
   switch (process) {
     case Process::Mbs:
       return "mbs";
@@ -86,21 +87,7 @@ const char* text_of(Process process) {
     case Process::Tool:
       return "tool";
   }
-  return "unknown";
-}
-
-const char* executable_of(Process process) {
-  switch (process) {
-    case Process::Mbs:
-      return "tandem-mbs";
-    case Process::Fem:
-      return "tandem-fem";
-    case Process::Orchestrator:
-      return "tandem (the orchestrator)";
-    case Process::Tool:
-      return "a tool";
-  }
-  return "unknown";
+  return "fem" + std::to_string(static_cast<std::size_t>(process) - kFirstBody + 1);
 }
 
 std::uint32_t checksum_of(ByteView message) {

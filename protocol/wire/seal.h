@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace tandem::wire {
@@ -35,11 +36,21 @@ enum class Kind : std::int32_t {
 inline constexpr std::size_t kKinds = 19;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
 
-/// The processes of a run.
+/// The processes of a run. Where it has several flexible bodies, each has one of its own, and there
+/// is no Fem: see body_process().
 enum class Process : std::int32_t { Mbs = 0, Fem = 1, Orchestrator = 2, Tool = 3 };
-inline constexpr std::size_t kProcesses = 4;
-[[nodiscard]] const char* text_of(Process process);        ///< "mbs"
-[[nodiscard]] const char* executable_of(Process process);  ///< "tandem-mbs"
+inline constexpr std::size_t kFirstBody = 4;
+inline constexpr std::size_t kMostBodies = 60;
+inline constexpr std::size_t kProcesses = kFirstBody + kMostBodies;
+/// That of the flexible body of this number, of so many.
+[[nodiscard]] constexpr Process body_process(std::size_t body, std::size_t bodies) {
+  return bodies == 1 ? Process::Fem : static_cast<Process>(kFirstBody + body);
+}
+[[nodiscard]] constexpr bool is_flexible(Process process) {
+  return process == Process::Fem || static_cast<std::size_t>(process) >= kFirstBody;
+}
+/// First part of a channel's name: "mbs", "fem"; "fem1", "fem2" … of several flexible bodies.
+[[nodiscard]] std::string text_of(Process process);
 
 /// First member of every message; types/header.lcm says what each field means.
 struct Header {

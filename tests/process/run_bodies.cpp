@@ -1,0 +1,173 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <map>
+
+#include "tests/support/tandem_process.h"
+
+// Several flexible bodies, each in a process of its own: the bits of one process on every
+// transport, the trajectory of the monolithic step, each body replayed without the others, and
+// whoever is lost is named.
+namespace tandem::test {
+namespace {
+
+/// The scenario of examples/chain_of_links with so many links, in a folder of the test.
+std::filesystem::path chain_of(int links, const TemporaryFolder& folder) {
+  const Ended made =
+      run_command({"/bin/sh", kExamples + "chain_of_links/make.sh", std::to_string(links)});
+  EXPECT_EQ(made.code, 0) << made.output;
+  std::string text = made.output;
+  const std::string relative = "../slider_crank/";
+  for (auto at = text.find(relative); at != std::string::npos; at = text.find(relative, at + 1)) {
+    text.replace(at, relative.size(), kExamples + "slider_crank/");
+  }
+  write_file(folder / "chain.yaml", text);
+  return folder / "chain.yaml";
+}
+
+struct Chain {
+  explicit Chain(int links) : scenario(chain_of(links, folder)) {}
+
+  [[nodiscard]] std::vector<std::string> command(const std::string& name,
+                                                 const std::vector<std::string>& more) const {
+    std::vector<std::string> all{kTandem,           "run",
+                                 scenario.string(), "--quiet",
+                                 "--out",           (folder / name).string(),
+                                 "--set",           "run.duration_s=0.02"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  /// summary.json of a run that must end with `code`.
+  [[nodiscard]] nlohmann::json run(const std::string& name, const std::vector<std::string>& more,
+                                   const Environment& environment = {}, int code = 0) const {
+    const Ended ended = run_command(command(name, more), environment);
+    EXPECT_EQ(ended.code, code) << name << ": " << ended.output;
+    return summary_of(folder / name);
+  }
+
+  TemporaryFolder folder{"tandem_bodies"};
+  std::filesystem::path scenario;
+};
+
+Environment disturbed() {
+  return with_preload({{"TANDEM_FAULT_SEED", "5"},
+                       {"TANDEM_FAULT_DROP_PERCENT", "3"},
+                       {"TANDEM_FAULT_DUPLICATE_PERCENT", "3"},
+                       {"TANDEM_FAULT_REORDER_PERCENT", "3"}},
+                      TANDEM_FAULT_SHIM);
+}
+
+class RunBodies : public testing::TestWithParam<int> {};
+
+TEST_P(RunBodies, HaveTheBitsOfOneProcess) {
+  const Chain chain(GetParam());
+  const auto expected = chain.run("inproc", {"--transport", "inproc"});
+  ASSERT_TRUE(expected.contains("state_hash"));
+  const std::map<std::string, std::pair<std::vector<std::string>, Environment>> ways{
+      {"lcm", {{}, {}}},
+      {"hub", {{"--driver", "orchestrator"}, {}}},
+      {"lossy", {{}, disturbed()}},
+      {"lossy_hub", {{"--driver", "orchestrator"}, disturbed()}}};
+  for (const auto& [name, way] : ways) {
+    const auto summary = chain.run(name, way.first, way.second);
+    EXPECT_EQ(summary.value("state_hash", ""), expected.at("state_hash")) << name;
+    EXPECT_EQ(summary["iterations"]["total"], expected["iterations"]["total"]) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, RunBodies, testing::Values(1, 2, 4, 8));
+
+// The iterations do not grow with the number of bodies: all of them are in one Newton step.
+TEST(RunBodiesCost, IterationsDoNotGrowWithTheirNumber) {
+  std::vector<double> means;
+  for (const int links : {1, 4, 8}) {
+    const auto summary = Chain(links).run("run", {"--transport", "inproc"});
+    means.push_back(summary.at("iterations").at("mean").get<double>());
+  }
+  EXPECT_LE(*std::max_element(means.begin(), means.end()), 2.5) << means[0] << " " << means[2];
+}
+
+TEST(RunBodiesReplay, EachIsReplayedWithoutTheOthers) {
+  const Chain chain(3);
+  (void)chain.run("run", {});
+  for (const std::string transport : {"lcm", "inproc"}) {
+    for (const std::string side : {"link1", "link3", "fem", "mbs"}) {
+      const Ended replay = tandem_command(
+          {"replay", (chain.folder / "run").string(), "--side", side, "--transport", transport});
+      EXPECT_EQ(replay.code, 0) << side << ": " << replay.output;
+      EXPECT_NE(replay.output.find("replay of " + side + " reproduces the log bit for bit"),
+                std::string::npos)
+          << replay.output;
+    }
+  }
+  const Ended unknown =
+      tandem_command({"replay", (chain.folder / "run").string(), "--side", "lnik2"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_NE(unknown.output.find("Did you mean 'link2'?"), std::string::npos) << unknown.output;
+}
+
+// Every process of the run, killed or frozen in the middle: named, and nothing is left.
+TEST(RunBodiesFailures, TheLostBodyIsNamed) {
+  for (const std::string how : {"kill", "stop"}) {
+    for (const std::string link : {"link1", "link2"}) {
+      const Chain chain(2);
+      ChildProcess tandem(
+          chain.command("run", {"--set", "run.duration_s=60", "--set", "wire.timeout_s=1"}));
+      const std::string mark = "--body" + std::string(1, '\0') + link;
+      std::vector<pid_t> victims;
+      for (int i = 0; i < 200 && victims.empty(); ++i) {
+        if (std::filesystem::exists(chain.folder / "run" / "bus.json")) {
+          for (const pid_t pid : processes_with(chain.folder.path().string())) {
+            const std::string line = read_file("/proc/" + std::to_string(pid) + "/cmdline");
+            if (line.find(mark) != std::string::npos) victims.push_back(pid);
+          }
+        }
+        usleep(20000);
+      }
+      ASSERT_EQ(victims.size(), 1U) << link;
+      usleep(500000);
+      kill(victims.front(), how == "kill" ? SIGKILL : SIGSTOP);
+      EXPECT_EQ(tandem.wait(15.0), 4) << tandem.output();
+      EXPECT_NE(tandem.output().find("tandem-fem " + link), std::string::npos) << tandem.output();
+      EXPECT_TRUE(processes_with(chain.folder.path().string()).empty()) << how << " " << link;
+      EXPECT_EQ(tandem_command({"log", (chain.folder / "run").string()}).code, 0);
+    }
+  }
+}
+
+TEST(RunBodiesControl, CommandsSayWhichBody) {
+  const Chain chain(2);
+  ChildProcess tandem(
+      chain.command("run", {"--set", "run.duration_s=30", "--set", "run.pace=real_time"}));
+  Ended asked;
+  for (int i = 0; i < 100; ++i) {
+    usleep(50000);
+    asked = tandem_command(
+        {"control", (chain.folder / "run").string(), "--body", "link2", "force", "right", "0,0,1"});
+    if (asked.code == 0) break;
+  }
+  EXPECT_EQ(asked.code, 0) << asked.output;
+  EXPECT_NE(asked.output.find("link2"), std::string::npos) << asked.output;
+  const Ended refused =
+      tandem_command({"control", (chain.folder / "run").string(), "force", "right", "0,0,1"});
+  EXPECT_NE(refused.code, 0);
+  EXPECT_NE(refused.output.find("Say which one is meant: link1, link2."), std::string::npos)
+      << refused.output;
+  tandem.signal(SIGINT);
+  EXPECT_EQ(tandem.wait(15.0), 130) << tandem.output();
+}
+
+// Each body writes into a folder of its name.
+TEST(RunBodiesFiles, EachHasItsOwnFolder) {
+  const Chain chain(2);
+  (void)chain.run("run",
+                  {"--set", "output.vtu_every_steps=10", "--set", "fem.link2.watch=[right]"});
+  EXPECT_TRUE(std::filesystem::exists(chain.folder / "run" / "link1" / "fem"));
+  EXPECT_FALSE(std::filesystem::exists(chain.folder / "run" / "link1" / "watch.csv"));
+  EXPECT_TRUE(std::filesystem::exists(chain.folder / "run" / "link2" / "watch.csv"));
+  EXPECT_TRUE(std::filesystem::exists(chain.folder / "run" / "link2.log"));
+}
+
+}  // namespace
+}  // namespace tandem::test
