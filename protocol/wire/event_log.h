@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -29,6 +30,7 @@ class LogWriter {
   LogWriter& operator=(const LogWriter&) = delete;
 
   /// Writes and flushes to the operating system: readable even if this process is killed next.
+  /// What was received is written as it came, with this log's headers; the rest is encoded.
   void write(const StepJournal& journal);
   void write(const Finished& finished);
 
@@ -39,8 +41,11 @@ class LogWriter {
 
  private:
   struct File;
+  [[nodiscard]] Header next_header(Kind kind);
   template <class Record>
   void event(Process topic, Kind kind, const Record& record);
+  void event(Process topic, Kind kind, std::span<std::uint8_t> received);
+  void put(Process topic, const Header& header, std::span<std::uint8_t> message);
   void flush();
   [[noreturn]] void fail() const;
 

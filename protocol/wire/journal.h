@@ -2,12 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "protocol/contract/ledger.h"
 #include "protocol/contract/subsystem.h"
+#include "protocol/wire/seal.h"
 
 namespace tandem::wire {
 
@@ -58,10 +61,18 @@ struct StepRecord {
   std::optional<SideEnergies> energy;  ///< at its end, where it was observed
 };
 
+/// The events of a macro step as they were encoded by the driver, in the message that brought them.
+/// The log takes these bytes, and writes its own headers into them.
+struct ReceivedEvents {
+  std::shared_ptr<Bytes> message;               ///< null = the step was not received but made here
+  std::vector<std::span<std::uint8_t>> events;  ///< one a call, then the step's record
+};
+
 /// Everything that happened in one macro step: what travels to the orchestrator and into the log.
 struct StepJournal {
   StepRecord step;
   std::vector<CallRecord> calls;  ///< in the order they were made, discarded ones too
+  ReceivedEvents received = {};   ///< the same once more, where it came over the wire
 };
 
 /// Bytes of journals that may be unrecorded: as many as a receive buffer of this size (0 = not

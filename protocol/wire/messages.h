@@ -194,8 +194,12 @@ void end_journal(const Header& header, Bytes& message);
 [[nodiscard]] std::optional<Control> decode_control(ByteView message);
 [[nodiscard]] std::optional<Controlled> decode_controlled(ByteView message);
 [[nodiscard]] std::optional<CallRecord> decode_call(ByteView message);
+[[nodiscard]] std::optional<SideName> side_of_call(ByteView message);  ///< without the rest
 [[nodiscard]] std::optional<StepRecord> decode_step(ByteView message);
 [[nodiscard]] std::optional<std::vector<StepJournal>> decode_journal(ByteView message);
+/// The same with the events as received, which share the message.
+[[nodiscard]] std::optional<std::vector<StepJournal>> decode_journal(
+    const std::shared_ptr<Bytes>& message);
 [[nodiscard]] std::optional<Finished> decode_finished(ByteView message);
 [[nodiscard]] std::optional<ScenarioText> decode_scenario(ByteView message);
 

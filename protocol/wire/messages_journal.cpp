@@ -59,14 +59,30 @@ void encode(const Header& header, const CallRecord& call, Bytes& message) {
   append(header, call, message);
 }
 
-std::optional<CallRecord> decode_call(ByteView message) {
-  const auto fixed = codec::fixed_part<tandem_wire::call_t>(
+namespace {
+
+std::optional<tandem_wire::call_t> fixed_part_of_call(ByteView message) {
+  auto fixed = codec::fixed_part<tandem_wire::call_t>(
       message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1, 1});
   if (!fixed || fixed->side < 0 || fixed->side > 1 || fixed->call < 0 ||
       fixed->call > static_cast<int>(CallKind::Command) || fixed->outcome < 0 ||
       fixed->outcome > static_cast<int>(Outcome::Failed)) {
     return std::nullopt;
   }
+  return fixed;
+}
+
+}  // namespace
+
+std::optional<SideName> side_of_call(ByteView message) {
+  const auto fixed = fixed_part_of_call(message);
+  if (!fixed) return std::nullopt;
+  return static_cast<SideName>(fixed->side);
+}
+
+std::optional<CallRecord> decode_call(ByteView message) {
+  const auto fixed = fixed_part_of_call(message);
+  if (!fixed) return std::nullopt;
   CallRecord call;
   call.side = static_cast<SideName>(fixed->side);
   call.kind = static_cast<CallKind>(fixed->call);
@@ -244,6 +260,21 @@ std::optional<std::vector<StepJournal>> decode_journal(ByteView message) {
     }
   }
   if (!rest.empty() || !open.calls.empty() || journals.empty()) return std::nullopt;
+  return journals;
+}
+
+std::optional<std::vector<StepJournal>> decode_journal(const std::shared_ptr<Bytes>& message) {
+  auto journals = decode_journal(ByteView(*message));
+  if (!journals) return std::nullopt;
+  std::span<std::uint8_t> rest = std::span(*message).last(count_at(*message, 0));
+  for (StepJournal& journal : *journals) {
+    journal.received.message = message;
+    for (std::size_t event = 0; event <= journal.calls.size(); ++event) {
+      const std::size_t size = codec::read_word(rest.data());
+      journal.received.events.push_back(rest.subspan(kSizeBytes, size));
+      rest = rest.subspan(kSizeBytes + size);
+    }
+  }
   return journals;
 }
 

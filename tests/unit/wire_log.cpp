@@ -68,6 +68,35 @@ TEST_F(WireLog, GivesBackWhatWasWritten) {
   EXPECT_EQ(log.finished()->summary_json, "{\"a\":1}");
 }
 
+// The recorder writes what the driver encoded: the same file but for the time stamps.
+TEST_F(WireLog, HoldsTheSameWhetherEncodedHereOrReceived) {
+  const auto payloads = [this] {
+    LogReader log(file_);
+    std::vector<Bytes> events;
+    while (auto event = log.next_raw()) {
+      event->header.time_us = 0;
+      seal_as(event->header, event->payload);
+      events.push_back(event->payload);
+    }
+    return events;
+  };
+  write(3);
+  const std::vector<Bytes> encoded = payloads();
+  {
+    LogWriter log(file_, 0xabcdef0123456789ULL, {"name: lug\n", "tandem 0.1.0\n"});
+    auto message = std::make_shared<Bytes>();
+    begin_journal(*message);
+    for (std::int64_t step = 1; step <= 3; ++step) append(journal(step), *message);
+    end_journal({.run_id = 5, .kind = Kind::Journal}, *message);
+    const auto received = decode_journal(message);
+    ASSERT_TRUE(received.has_value());
+    ASSERT_EQ(received->size(), 3U);
+    for (const StepJournal& step : *received) log.write(step);
+    log.write(Finished{3, "diverged", "{\"a\":1}"});
+  }
+  EXPECT_EQ(payloads(), encoded);
+}
+
 TEST_F(WireLog, IsReadableByLiblcm) {
   write(3);
   lcm_eventlog_t* log = lcm_eventlog_create(file_.c_str(), "r");
