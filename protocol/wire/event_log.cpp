@@ -10,7 +10,6 @@
 #include <cstring>
 #include <iterator>
 #include <string_view>
-#include <type_traits>
 
 #include "protocol/contract/error.h"
 
@@ -82,13 +81,17 @@ Header LogWriter::next_header(Kind kind) {
 template <class Record>
 void LogWriter::event(Process topic, Kind kind, const Record& record) {
   const Header header = next_header(kind);
-  if constexpr (std::is_same_v<Record, CallRecord>) {
-    encode(header, record, message_);  // the large ones
-  } else {
-    message_ = encode(header, record);
-  }
+  message_ = encode(header, record);
   seal(message_);
   put(topic, header, message_);
+}
+
+void LogWriter::event(const CallRecord& call) {
+  const Header header = next_header(Kind::Call);
+  encode(header, call, message_, accepted_.is_begin_of(call));
+  accepted_.follow(call);
+  seal(message_);
+  put(topic_of(call.side), header, message_);
 }
 
 void LogWriter::event(Process topic, Kind kind, std::span<std::uint8_t> received) {
@@ -136,17 +139,13 @@ void LogWriter::fail() const {
 
 void LogWriter::write(const StepJournal& journal) {
   const auto& received = journal.received.events;
-  for (std::size_t i = 0; i < journal.calls.size(); ++i) {
-    const CallRecord& call = journal.calls[i];
-    if (received.empty()) {
-      event(topic_of(call.side), Kind::Call, call);
-    } else {
-      event(topic_of(call.side), Kind::Call, received[i]);
-    }
-  }
   if (received.empty()) {
+    for (const CallRecord& call : journal.calls) event(call);
     event(Process::Orchestrator, Kind::Step, journal.step);
   } else {
+    for (std::size_t i = 0; i < journal.calls.size(); ++i) {
+      event(topic_of(journal.calls[i].side), Kind::Call, received[i]);
+    }
     event(Process::Orchestrator, Kind::Step, received.back());
   }
   flush();
@@ -230,7 +229,11 @@ std::optional<LogReader::Event> LogReader::next() {
   if (!raw) return std::nullopt;
   std::optional<Event> event;
   if (raw->header.kind == Kind::Call) {
-    if (auto call = decode_call(raw->payload)) event = std::move(*call);
+    if (auto call = decode_call(raw->payload)) {
+      accepted_.complete(*call);
+      accepted_.follow(*call);
+      event = std::move(*call);
+    }
   } else if (raw->header.kind == Kind::Step) {
     if (auto step = decode_step(raw->payload)) event = std::move(*step);
   } else if (raw->header.kind == Kind::Finished) {

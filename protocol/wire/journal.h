@@ -45,8 +45,27 @@ struct CallRecord {
   std::string command;  ///< Command: its text
 };
 
-/// Why the values of a call do not fit a run of so many ports; empty = they do.
-[[nodiscard]] std::string misfit(const CallRecord& call, std::size_t ports);
+/// Why the values of a call do not fit a run of so many ports; empty = they do. The begin of a
+/// received call may have been left out.
+[[nodiscard]] std::string misfit(const CallRecord& call, std::size_t ports,
+                                 bool may_lack_begin = false);
+
+/// The last accepted input of each side, to be told of every call in order. There the segments of
+/// the side's next calls begin: those that do, bit for bit, travel and are logged without their
+/// begin, which is a third of all values.
+class AcceptedInputs {
+ public:
+  /// Whether the call is an advance that begins there.
+  [[nodiscard]] bool is_begin_of(const CallRecord& call) const;
+  /// Gives an advance its begin when that was left out.
+  void complete(CallRecord& call) const;
+  void follow(const CallRecord& call);
+  void follow(CallRecord&& call);
+
+ private:
+  WrenchSet wrenches_;
+  MotionSet motions_;
+};
 
 /// One macro step as the scheme ended it. Macro step 0 carries the initialization.
 struct StepRecord {

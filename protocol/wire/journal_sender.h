@@ -20,14 +20,15 @@ namespace tandem::wire {
 /// stays here for longer than 5 ms of stepping, or 20 ms of waiting for a partner.
 class JournalSender {
  public:
-  JournalSender(Bus& bus, LivenessMonitor& monitor, int window);
+  /// `whole_log`: every macro step is logged, so that calls can leave out what earlier ones hold.
+  JournalSender(Bus& bus, LivenessMonitor& monitor, int window, bool whole_log = true);
   ~JournalSender();  ///< what was not sent yet still is: the run may be failing
   JournalSender(const JournalSender&) = delete;
   JournalSender& operator=(const JournalSender&) = delete;
 
   /// Sends the journal of a macro step; blocks first while the window is used up. Returns the time
   /// blocked (s). Throws tandem::Error when the orchestrator is gone.
-  double send(const StepJournal& journal);
+  double send(StepJournal journal);
 
   /// Says how the run ended and waits until everything is recorded.
   void finish(const Finished& finished);
@@ -52,6 +53,8 @@ class JournalSender {
   LivenessMonitor& monitor_;
   std::size_t window_;
   std::size_t most_bytes_;
+  bool whole_log_;
+  AcceptedInputs accepted_;      ///< of the steps appended
   Pending batch_;                ///< not sent yet
   std::int64_t macro_step_ = 0;  ///< the last one in it
   double flushed_s_ = 0.0;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t kSizeBytes = 4;
 
-void append(const Header& header, const CallRecord& call, Bytes& to) {
+void append(const Header& header, const CallRecord& call, Bytes& to, bool without_begin = false) {
   tandem_wire::call_t fixed{};
   fixed.header = pack(header);
   fixed.header.macro_step = call.macro_step;
@@ -36,17 +36,22 @@ void append(const Header& header, const CallRecord& call, Bytes& to) {
   fixed.step_ns = call.step.count();
   fixed.outcome = static_cast<std::int32_t>(call.outcome);
   fixed.solver_iterations = call.solver_iterations;
+  const bool from_mbs = call.side == SideName::Mbs;
+  std::span<const Motion> motions_begin = call.motions.begin;
+  std::span<const Wrench> wrenches_begin = call.wrenches.begin;
+  if (without_begin && from_mbs) wrenches_begin = {};
+  if (without_begin && !from_mbs) motions_begin = {};
   codec::begin(fixed,
-               {{call.motions.begin.size(), kMotionBytes},
+               {{motions_begin.size(), kMotionBytes},
                 {call.motions.end.size(), kMotionBytes},
-                {call.wrenches.begin.size(), kWrenchBytes},
+                {wrenches_begin.size(), kWrenchBytes},
                 {call.wrenches.end.size(), kWrenchBytes},
                 {call.message.size(), 1},
                 {call.command.size(), 1}},
                to, to.size())
-      .add(call.motions.begin)
+      .add(motions_begin)
       .add(call.motions.end)
-      .add(call.wrenches.begin)
+      .add(wrenches_begin)
       .add(call.wrenches.end)
       .add(std::span<const char>(call.message))
       .add(std::span<const char>(call.command));
@@ -54,9 +59,9 @@ void append(const Header& header, const CallRecord& call, Bytes& to) {
 
 }  // namespace
 
-void encode(const Header& header, const CallRecord& call, Bytes& message) {
+void encode(const Header& header, const CallRecord& call, Bytes& message, bool without_begin) {
   message.clear();
-  append(header, call, message);
+  append(header, call, message, without_begin);
 }
 
 namespace {
@@ -217,17 +222,31 @@ void append_sized(Bytes& message, Write write) {
 
 }  // namespace
 
+namespace {
+
+void append(const StepRecord& step, Bytes& message) {
+  const Bytes encoded = encode(Header{}, step);
+  message.insert(message.end(), encoded.begin(), encoded.end());
+}
+
+}  // namespace
+
 void begin_journal(Bytes& message) { codec::begin(tandem_wire::journal_t{}, {{0, 1}}, message); }
 
 void append(const StepJournal& journal, Bytes& message) {
-  const Header none;
   for (const CallRecord& call : journal.calls) {
-    append_sized(message, [&] { append(none, call, message); });
+    append_sized(message, [&] { append(Header{}, call, message); });
   }
-  append_sized(message, [&] {
-    const Bytes step = encode(none, journal.step);
-    message.insert(message.end(), step.begin(), step.end());
-  });
+  append_sized(message, [&] { append(journal.step, message); });
+}
+
+void append(StepJournal&& journal, AcceptedInputs& accepted, Bytes& message) {
+  for (CallRecord& call : journal.calls) {
+    const bool known = accepted.is_begin_of(call);
+    append_sized(message, [&] { append(Header{}, call, message, known); });
+    accepted.follow(std::move(call));
+  }
+  append_sized(message, [&] { append(journal.step, message); });
 }
 
 void end_journal(const Header& header, Bytes& message) {

@@ -116,6 +116,53 @@ TEST_F(WireLog, IsReadableByLiblcm) {
   EXPECT_EQ(channels[10], "TANDEM_abcdef0123456789_orchestrator_finished");
 }
 
+// Calls that begin at the last accepted input of their side are logged without their begin, those
+// that do not, with it; a reader gets all of them whole. A log that has every begin reads the same.
+TEST_F(WireLog, GivesBackTheBeginsThatItLeavesOut) {
+  const MotionSet a = test::some_motions(2, 0.1);
+  const MotionSet b = test::some_motions(2, 0.2);
+  const MotionSet c = test::some_motions(2, 0.3);
+  CallRecord first;
+  first.side = SideName::Fem;
+  first.motions.end = a;
+  first.accepted = true;
+  CallRecord discarded = first;
+  discarded.kind = CallKind::Advance;
+  discarded.macro_step = 1;
+  discarded.motions = {a, c};
+  discarded.accepted = false;
+  CallRecord known = discarded;
+  known.motions = {a, b};
+  known.accepted = true;
+  CallRecord other = known;  // as after a change of the prediction: begins elsewhere
+  other.macro_step = 2;
+  other.motions = {c, a};
+  StepJournal start;
+  start.calls = {first};
+  StepJournal one;
+  one.step.macro_step = 1;
+  one.calls = {discarded, known};
+  StepJournal two;
+  two.step.macro_step = 2;
+  two.calls = {other};
+  {
+    LogWriter log(file_, 1, {"", ""});
+    for (const StepJournal& journal : {start, one, two}) log.write(journal);
+  }
+  std::vector<std::size_t> begins;
+  LogReader raw(file_);
+  while (const auto event = raw.next_raw()) {
+    if (const auto call = decode_call(event->payload)) begins.push_back(call->motions.begin.size());
+  }
+  EXPECT_EQ(begins, (std::vector<std::size_t>{0, 0, 0, 2}));
+  LogReader log(file_);
+  for (const StepJournal& journal : {start, one, two}) {
+    const auto back = log.next_step();
+    ASSERT_TRUE(back.has_value());
+    EXPECT_EQ(encode({}, *back), encode({}, journal));
+  }
+}
+
 // What a killed run leaves: everything up to the last whole event is there, at every cut.
 TEST_F(WireLog, SurvivesACutAtEveryByteOfTheLastStep) {
   write(2, false);
