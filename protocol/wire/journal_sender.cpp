@@ -54,7 +54,10 @@ double JournalSender::send(StepJournal journal) {
   }
   const double time_s = now_s();
   if (batch_.steps == 0) {
-    batch_.message = std::move(spare_);
+    if (!spare_.empty()) {
+      batch_.message = std::move(spare_.back());
+      spare_.pop_back();
+    }
     begin_journal(batch_.message);
   }
   macro_step_ = journal.step.macro_step;
@@ -133,7 +136,7 @@ void JournalSender::on_credit(ByteView message) {
   while (recorded_ < credit->recorded_through && !pending_.empty()) {
     open_steps_ -= pending_.front().steps;
     open_bytes_ -= pending_.front().message.size();
-    spare_ = std::move(pending_.front().message);
+    spare_.push_back(std::move(pending_.front().message));
     pending_.pop_front();
     ++recorded_;
   }

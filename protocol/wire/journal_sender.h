@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <vector>
 
 #include "protocol/wire/bus.h"
 #include "protocol/wire/liveness.h"
@@ -62,7 +63,7 @@ class JournalSender {
   std::deque<Pending> pending_;  ///< numbers recorded_ + 1, recorded_ + 2, …
   std::size_t open_steps_ = 0;   ///< in them and in the batch
   std::size_t open_bytes_ = 0;   ///< in them
-  Bytes spare_;                  ///< memory of a recorded message
+  std::vector<Bytes> spare_;     ///< memory of recorded messages
   std::int64_t resent_ = 0;
   Subscription credits_;
 };

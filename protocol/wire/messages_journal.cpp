@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <tandem_wire/call_t.hpp>
 #include <tandem_wire/finished_t.hpp>
 #include <tandem_wire/journal_t.hpp>
@@ -224,6 +225,17 @@ void append_sized(Bytes& message, Write write) {
 
 namespace {
 
+/// So that a step of many ports does not have its first calls moved for each of the later ones.
+void make_room(const StepJournal& journal, Bytes& message) {
+  std::size_t size = message.size();
+  for (const CallRecord& call : journal.calls) {
+    constexpr std::size_t kFixed = 256;  // more than the fixed part and the size of a call
+    size += kFixed + (call.motions.begin.size() + call.motions.end.size()) * kMotionBytes +
+            (call.wrenches.begin.size() + call.wrenches.end.size()) * kWrenchBytes;
+  }
+  if (size > message.capacity()) message.reserve(std::max(size, 2 * message.capacity()));
+}
+
 void append(const StepRecord& step, Bytes& message) {
   const Bytes encoded = encode(Header{}, step);
   message.insert(message.end(), encoded.begin(), encoded.end());
@@ -234,6 +246,7 @@ void append(const StepRecord& step, Bytes& message) {
 void begin_journal(Bytes& message) { codec::begin(tandem_wire::journal_t{}, {{0, 1}}, message); }
 
 void append(const StepJournal& journal, Bytes& message) {
+  make_room(journal, message);
   for (const CallRecord& call : journal.calls) {
     append_sized(message, [&] { append(Header{}, call, message); });
   }
@@ -241,6 +254,7 @@ void append(const StepJournal& journal, Bytes& message) {
 }
 
 void append(StepJournal&& journal, AcceptedInputs& accepted, Bytes& message) {
+  make_room(journal, message);
   for (CallRecord& call : journal.calls) {
     const bool known = accepted.is_begin_of(call);
     append_sized(message, [&] { append(Header{}, call, message, known); });
