@@ -52,7 +52,7 @@ struct CallRecord {
 
 /// The last accepted input of each side, to be told of every call in order. There the segments of
 /// the side's next calls begin: those that do, bit for bit, travel and are logged without their
-/// begin, which is a third of all values.
+/// begin.
 class AcceptedInputs {
  public:
   /// Whether the call is an advance that begins there.
