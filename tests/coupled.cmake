@@ -5,7 +5,7 @@ target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE
 target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 tandem_test(coupled_unit
-  SOURCES unit/advise/candidates.cpp unit/advise/choice.cpp unit/orchestrator/body_rates.cpp unit/orchestrator/check_warnings.cpp unit/orchestrator/chosen_settings.cpp unit/orchestrator/compare_price.cpp unit/coupled/free_pair.cpp unit/orchestrator/svg_plot.cpp unit/advise/interface_ratios.cpp unit/fem/newmark_bound.cpp
+  SOURCES unit/advise/candidates.cpp unit/advise/choice.cpp unit/orchestrator/body_rates.cpp unit/orchestrator/check_warnings.cpp unit/orchestrator/chosen_settings.cpp unit/orchestrator/compare_price.cpp unit/coupled/free_pair.cpp unit/orchestrator/svg_plot.cpp unit/orchestrator/system_graph.cpp unit/advise/interface_ratios.cpp unit/fem/newmark_bound.cpp
     unit/orchestrator/run_folder.cpp unit/orchestrator/verdict.cpp
   LIBS coupled_support nlohmann_json::nlohmann_json LABELS unit)
 tandem_test(coupled_convergence

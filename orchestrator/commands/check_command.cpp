@@ -19,6 +19,7 @@
 #include "mbs_process/make_side.h"
 #include "mbs_process/spring_stability.h"
 #include "orchestrator/commands/commands.h"
+#include "orchestrator/page/system_graph.h"
 #include "orchestrator/scenario/chosen_settings.h"
 #include "orchestrator/scenario/model.h"
 #include "orchestrator/scenario/nodal_scenario.h"
@@ -26,6 +27,8 @@
 #include "orchestrator/scenario/scenario_table.h"
 #include "orchestrator/warnings/material_warnings.h"
 #include "orchestrator/warnings/warnings.h"
+#include "protocol/contract/error.h"
+#include "protocol/contract/whole_file.h"
 #include "protocol/driver/composite_fem.h"
 
 namespace tandem::orchestrator {
@@ -198,11 +201,14 @@ std::string check_coupled(const ScenarioOptions& options) {
 
 void add_check(CLI::App& app) {
   auto options = std::make_shared<ScenarioOptions>();
+  auto graph = std::make_shared<std::string>();
   CLI::App* sub = app.add_subcommand(
       "check",
       "Validate a scenario with its mesh: file:line:column, what is wrong, what would be right");
   options->declare(*sub);
-  sub->callback([options] {
+  sub->add_option("--graph", *graph,
+                  "Also draw the system as an SVG file: bodies, joints, ports, processes");
+  sub->callback([options, graph] {
     const scenario::Loaded loaded = scenario::load(options->file, fem_scenario_table(),
                                                    with_nodes(options->file, options->overrides()));
     require_mesh_file(loaded.root);
@@ -210,6 +216,11 @@ void add_check(CLI::App& app) {
     std::printf(
         "%s",
         (coupled ? check_coupled(*options) : check_flexible(options->file, loaded.root)).c_str());
+    if (graph->empty()) return;
+    require(coupled, "--graph: the scenario has no section mbs; one flexible body is no graph.");
+    const Model model = options->load();
+    const auto mbs = mbs::make_side(model.scenario.root, {});
+    write_whole_file(*graph, svg_of(graph_of(model, mbs->params())));
   });
 }
 
