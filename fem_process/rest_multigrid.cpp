@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "fem_process/fetch_ahead.h"
 #include "fem_process/simd.h"
 
 namespace tandem::fem {
@@ -19,12 +20,18 @@ constexpr double kSpacing = 2.0;
 constexpr int kVectors = 3;
 enum Vector { kResidual, kSolution, kLeft };
 
+/// Places ahead whose nodes' vectors and rotations are asked for.
+constexpr std::size_t kPlacesAhead = 12;
+
 /// y = d Wᵀ r of the nodes.
 TANDEM_INLINE void enter_body(const int* nodes, const double* root, std::size_t begin,
                               std::size_t end, const Padded* r, double scale,
                               const NodeRotation* rotations, Padded4* y) {
   for (std::size_t p = begin; p < end; ++p) {
     const int node = nodes[p];
+    const int later = nodes[std::min(p + kPlacesAhead, end - 1)];
+    fetch_ahead(r[later].at, 0);
+    if (rotations != nullptr) fetch_ahead(rotations[later].row, 0);
     const double d = scale / root[p];
     Float4 sum{};
     for (int a = 0; a < 3; ++a) {
@@ -48,6 +55,10 @@ TANDEM_INLINE void leave_body(const int* nodes, const double* root, std::size_t 
   Double4 sums{};
   for (std::size_t p = begin; p < end; ++p) {
     const int node = nodes[p];
+    const int later = nodes[std::min(p + kPlacesAhead, end - 1)];
+    fetch_ahead(r[later].at, 0);
+    fetch_ahead(z[later].at, 0);
+    if (rotations != nullptr) fetch_ahead(rotations[later].column, 0);
     Float4 sum{};
     for (std::size_t a = 0; a < 3; ++a) {
       Float4 column{};
