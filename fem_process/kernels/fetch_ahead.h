@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "fem_process/simd.h"
+#include "fem_process/kernels/simd.h"
 
 namespace tandem::fem {
 
