@@ -49,3 +49,9 @@ set_tests_properties(StepParts.NoRatioHasDoubled PROPERTIES LABELS process RUN_S
 add_executable(budget bench/budget.cpp)
 target_link_libraries(budget PRIVATE tandem_options orchestrator fmt::fmt)
 target_compile_definitions(budget PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+# Measures what several flexible bodies cost against their number: bodies_cost SVG_FILE.
+add_executable(bodies_cost bench/bodies_cost.cpp)
+target_link_libraries(bodies_cost PRIVATE tandem_options orchestrator fmt::fmt)
+target_compile_definitions(bodies_cost PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+add_dependencies(bodies_cost tandem tandem-mbs tandem-fem)
