@@ -34,7 +34,8 @@ wire::BusOptions bus_options(const Model& model, std::uint64_t run_id) {
   options.ttl = static_cast<int>(params.ttl);
   options.receive = params.receive;
   const Process driver = params.driver == DriverPlace::Mbs ? Process::Mbs : Process::Orchestrator;
-  options.wait = wait_in_run(params.wait, params.placement, options.self, driver);
+  options.wait =
+      wait_in_run(params.wait, params.placement, options.self, driver, model.table.size());
   return options;
 }
 

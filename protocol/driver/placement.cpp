@@ -47,9 +47,9 @@ void lower_priority() {
 }  // namespace
 
 wire::Wait wait_in_run(wire::Wait asked, Placement placement, wire::Process self,
-                       wire::Process driver) {
+                       wire::Process driver, std::size_t bodies) {
   const bool records = self == wire::Process::Orchestrator && self != driver;
-  const bool alone = placement != Placement::Same && usable_cores().size() > 1;
+  const bool alone = placement != Placement::Same && usable_cores().size() > bodies;
   return records || !alone ? wire::Wait::Block : asked;
 }
 

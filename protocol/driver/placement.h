@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "protocol/wire/poll_budget.h"
@@ -26,10 +27,10 @@ void place_process(Placement placement, wire::Process self, wire::Process driver
 
 /// How a process of the run waits for messages: as `asked`, but blocking
 /// * in an orchestrator that only records: nobody waits for it;
-/// * with Same, or where the processes may use one core only: polling would keep the core from the
-///   one that computes.
+/// * with Same, or where the sides (the multibody one and so many flexible bodies) are more than
+///   the cores they may use: polling would keep a core from one that computes.
 /// To be asked before place_process().
 [[nodiscard]] wire::Wait wait_in_run(wire::Wait asked, Placement placement, wire::Process self,
-                                     wire::Process driver);
+                                     wire::Process driver, std::size_t bodies = 1);
 
 }  // namespace tandem

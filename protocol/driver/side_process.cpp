@@ -140,7 +140,7 @@ int join_run(const SideProgram& program, const Options& options,
   bus_options.receive = params.receive;
   const wire::Process driver =
       params.driver == DriverPlace::Mbs ? wire::Process::Mbs : wire::Process::Orchestrator;
-  bus_options.wait = wait_in_run(params.wait, params.placement, self, driver);
+  bus_options.wait = wait_in_run(params.wait, params.placement, self, driver, bodies.size());
   place_process(params.placement, self, driver, bus_options.run_id);
   wire::Bus bus(bus_options);
   try {
