@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocol/contract/error.h"
+
 namespace tandem::orchestrator {
 namespace {
 
@@ -44,7 +46,13 @@ std::vector<InterfaceRatios> ratios_over_step(const LoadTrial& load, double step
     const Model model = load({}, h_s, h_s);
     const auto mbs = make_mbs(model, {});
     const auto fem = make_fem(model, {});
-    ratios.push_back(measure_ratios(*mbs, *fem, model.run.macro_step));
+    try {
+      ratios.push_back(measure_ratios(*mbs, *fem, model.run.macro_step));
+    } catch (const Error& error) {
+      // Longer steps than the scenario's may be too long for a side: the range ends before.
+      if (error.kind() != ErrorKind::NotSolved || level <= 0) throw;
+      break;
+    }
   }
   return ratios;
 }

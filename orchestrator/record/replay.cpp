@@ -57,12 +57,10 @@ struct Played {
   [[nodiscard]] bool is_to_other(const CallRecord& call) const {
     return part && call.kind == CallKind::Command && !call.command.starts_with(part->name + " ");
   }
-  /// The call as it came to the part.
+  /// The call, none to another body, as it came to the part.
   [[nodiscard]] CallRecord of(CallRecord call) const {
     if (!part) return call;
-    if (call.kind == CallKind::Command && !is_to_other(call)) {
-      call.command.erase(0, part->name.size() + 1);
-    }
+    if (call.kind == CallKind::Command) call.command.erase(0, part->name.size() + 1);
     for (MotionSet* set : {&call.motions.begin, &call.motions.end}) {
       *set = of_ports(*set, part->ports);
     }
@@ -75,11 +73,12 @@ struct Played {
 
 /// Makes a logged call again; the difference of what comes out, or nothing.
 template <class In, class Out>
-std::string repeat(const CallRecord& call, Subsystem<In, Out>& side, const Played& played,
+std::string repeat(const CallRecord& logged_call, Subsystem<In, Out>& side, const Played& played,
                    double tolerance) {
-  if (call.checkpoint_first) side.checkpoint();
-  if (call.rollback_first) side.rollback();
-  if (played.is_to_other(call)) return {};
+  if (logged_call.checkpoint_first) side.checkpoint();
+  if (logged_call.rollback_first) side.rollback();
+  if (played.is_to_other(logged_call)) return {};
+  const CallRecord call = played.of(logged_call);
   if (call.kind == CallKind::Command) {
     const CommandResult result = side.command(call.command);
     if (result.accepted == (call.outcome == Outcome::Done)) return {};
@@ -112,7 +111,7 @@ void replay_log(wire::LogReader& log, Subsystem<In, Out>& side, const Played& pl
       if (call.side != played.side) continue;
       const std::string misfit = wire::misfit(call, model.port_names.size());
       require(misfit.empty(), fmt::format("the log is damaged: {}.", misfit));
-      const std::string difference = repeat(played.of(call), side, played, options.tolerance);
+      const std::string difference = repeat(call, side, played, options.tolerance);
       ++report.calls;
       report.discarded_calls += call.accepted ? 0 : 1;
       if (difference.empty()) continue;
@@ -192,10 +191,11 @@ Played played_side(const Model& model, const std::string& side) {
   if (side == "fem") return {SideName::Fem, model.port_names, std::nullopt};
   std::vector<std::string> names{"mbs", "fem"};
   for (const scenario::BodyPorts& body : model.table) {
-    if (body.name == side && model.table.size() > 1) {
-      return {SideName::Fem, of_ports(model.port_names, body.ports), body};
-    }
-    if (model.table.size() > 1) names.push_back(body.name);
+    if (body.name.empty()) continue;
+    names.push_back(body.name);
+    if (body.name != side) continue;
+    if (model.table.size() == 1) return {SideName::Fem, model.port_names, std::nullopt};
+    return {SideName::Fem, of_ports(model.port_names, body.ports), body};
   }
   throw Error(ErrorKind::Usage,
               fmt::format("replay: --side {}: the run has no such side.{} It has {}.", side,

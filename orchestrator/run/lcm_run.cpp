@@ -247,6 +247,7 @@ class LcmRun {
     const int signal = stop_signal();
     wire::publish_abort(bus_, signal != 0 ? 128 + signal : error.exit_code(), text);
     for (std::string& fate : launch_.end_all(1.0)) fates.push_back(std::move(fate));
+    if (!text.ends_with('.')) text += '.';
     if (recorder_.recorded_steps() > 0) {
       text += fmt::format(" The log is complete up to macro step {}.", recorder_.recorded_steps());
     }

@@ -111,6 +111,25 @@ Model load_model(const std::filesystem::path& file,
   return model;
 }
 
+namespace {
+
+/// Newton's method and the lines of tlm need the interface Jacobian, which a chain has over one
+/// step of its own alone.
+void require_derivative(const Model& model, const scenario::FlexibleBody& body) {
+  const SchemeKind scheme = model.coupling.scheme;
+  const scenario::Node fem = body.root.section("fem");
+  const bool needed = scheme == SchemeKind::InterfaceNewton || scheme == SchemeKind::Tlm;
+  if (!needed || fem.text("model") != "ancf" || !fem.has("micro_step_s")) return;
+  if (sim_time_from_seconds(fem.real("micro_step_s")) == model.run.macro_step) return;
+  fem.fail("micro_step_s",
+           fmt::format("coupling.scheme: {} needs the body's interface Jacobian, which a chain has "
+                       "not over several micro steps. Leave it out, lower run.macro_step_s, or use "
+                       "coupling.scheme: implicit.",
+                       to_string(scheme)));
+}
+
+}  // namespace
+
 Model part_of(const Model& model, std::size_t body) {
   if (model.bodies.size() == 1) return model;
   Model part = model;
@@ -137,6 +156,7 @@ std::unique_ptr<FemSide> make_fem(const Model& model, const std::filesystem::pat
 
 std::unique_ptr<FemSide> make_fem(const Model& model, const scenario::FlexibleBody& body,
                                   const std::filesystem::path& directory) {
+  require_derivative(model, body);
   const auto folder = fem::folder_of(directory, body.root, model.bodies.size());
   return prepared_for(model.coupling, fem::make_model(body.root, folder));
 }

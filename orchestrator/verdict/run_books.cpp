@@ -102,9 +102,12 @@ void add_body(const scenario::Node& fem, RunBooks& books) {
   }
   const scenario::Node integrator = fem.section("integrator");
   const bool reduced = fem.text("formulation") == "craig_bampton";
+  if (reduced && !books.reduced) books.reduced_key = fem.path_name();
   books.reduced = books.reduced || reduced;
-  books.linearised = books.linearised || (!reduced && integrator.text("kind") != "quasi_static" &&
-                                          integrator.integer("newton_steps") == 0);
+  const bool linearised = !reduced && integrator.text("kind") != "quasi_static" &&
+                          integrator.integer("newton_steps") == 0;
+  if (linearised && !books.linearised) books.linearised_key = fem.path_name();
+  books.linearised = books.linearised || linearised;
 }
 
 }  // namespace

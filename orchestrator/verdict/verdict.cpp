@@ -35,7 +35,7 @@ std::string second_order_keys(const RunBooks& books) {
   if (books.coupled && !books.mbs_second_order) keys += "mbs.integrator: verlet";
   if (!books.fem_second_order) {
     keys += keys.empty() ? "" : " with ";
-    keys += "fem.integrator.kind: generalised_alpha";
+    keys += books.first_order_key + ".integrator.kind: generalised_alpha";
   }
   return keys;
 }
@@ -44,7 +44,10 @@ std::string loss_remedy(const RunBooks& books) {
   std::string remedy = "lower " + step_key(books);
   const std::string keys = second_order_keys(books);
   if (!keys.empty()) remedy += " (half the step, half the loss) or set " + keys;
-  if (books.reduced) remedy += ", or use the full body instead of fem.formulation: craig_bampton";
+  if (books.reduced) {
+    remedy +=
+        ", or use the full body instead of " + books.reduced_key + ".formulation: craig_bampton";
+  }
   return remedy + ".";
 }
 
@@ -60,7 +63,8 @@ std::string growth_remedy(const RunBooks& books) {
 std::string balance_remedy(const RunBooks& books) {
   std::string remedy = "lower " + step_key(books);
   if (books.contact) remedy += ", or soften fem.ancf.contact";
-  if (books.linearised) remedy += ", or iterate the step: fem.integrator.newton_steps: 20";
+  if (books.linearised)
+    remedy += ", or iterate the step: " + books.linearised_key + ".integrator.newton_steps: 20";
   return remedy + ".";
 }
 
@@ -189,7 +193,7 @@ void judge_model(const RunBooks& books, std::vector<Cause>& causes) {
          .text = fmt::format("elements turn by up to {:.3g} rad in a body whose shapes add up "
                              "linearly, so what bends grows longer and moves otherwise",
                              books.elastic_turn_rad),
-         .remedy = "use fem.formulation: corotational."});
+         .remedy = "use " + books.reduced_key + ".formulation: corotational."});
   }
   if (!books.parasitic_mass_kg || !(books.lightest_port_body_kg > 0.0)) return;
   const double mass = *books.parasitic_mass_kg / books.lightest_port_body_kg;

@@ -55,6 +55,9 @@ struct RunBooks {
   bool contact = false;
   bool linearised = false;  ///< one linearised step of the mesh, without iteration
   bool reduced = false;     ///< craig_bampton
+  /// Path of a flexible body's section of the scenario, for remedies: the first that is of first
+  /// order, reduced, linearised.
+  std::string first_order_key = "fem", reduced_key = "fem", linearised_key = "fem";
   bool mbs_second_order = false;
   bool fem_second_order = false;
 };

@@ -62,6 +62,15 @@ struct JointGap {
   std::int32_t joint = -1;  ///< in the order of the scenario; -1: none has
 };
 
+/// One of several flexible bodies: its book and state at the time of the observation.
+struct BodyObservation {
+  std::string name;
+  EnergyBook energy;
+  std::uint64_t state_hash = 0;
+  double compute_s = 0.0;              ///< of all its advances since t = 0
+  std::int64_t solver_iterations = 0;  ///< likewise
+};
+
 struct Observation {
   SimTime time{};
   EnergyBook energy;
@@ -70,6 +79,7 @@ struct Observation {
   /// and which is therefore good for small ones only; 0: any turn is right.
   double elastic_turn_rad = 0.0;
   JointGap widest_joint;
+  std::vector<BodyObservation> bodies;  ///< of several flexible ones
 };
 
 /// How a side took a command.

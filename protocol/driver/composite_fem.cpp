@@ -90,7 +90,11 @@ StepResult<WrenchSet> CompositeFem::finish_advance() {
     all.jacobian = InterfaceJacobian::Zero(kWrench * ports, kMotion * ports);
   }
   for_each(parts_, [&](FemPart& part) {
+    const double begin_s = now_s();
     StepResult<WrenchSet> own = part.side->finish_advance();
+    // A side of this process books no time of its own.
+    part.compute_s += own.cost.compute_s > 0.0 ? own.cost.compute_s : now_s() - begin_s;
+    part.solver_iterations += own.solver_iterations;
     gather(part, own, all);
   });
   all.output_error_N = std::sqrt(all.output_error_N);
@@ -150,11 +154,11 @@ CommandResult CompositeFem::command(const std::string& text) {
     result.message = named(part, result.message);
     return result;
   }
-  return {.accepted = false,
-          .message = fmt::format("fem: '{}' begins with the name of no flexible body. Say which "
-                                 "one is meant: {}.",
-                                 text, fmt::join(names, ", ")),
-          .cost = {}};
+  return {
+      .accepted = false,
+      .message = fmt::format("fem: '{}': which flexible body is meant? Name it with --body: {}.",
+                             text, fmt::join(names, ", ")),
+      .cost = {}};
 }
 
 Observation CompositeFem::observe() {
@@ -166,6 +170,11 @@ Observation CompositeFem::observe() {
     all.energy += own.energy;
     hash.add(own.state_hash);
     all.elastic_turn_rad = std::max(all.elastic_turn_rad, own.elastic_turn_rad);
+    all.bodies.push_back({.name = part.name,
+                          .energy = own.energy,
+                          .state_hash = own.state_hash,
+                          .compute_s = part.compute_s,
+                          .solver_iterations = part.solver_iterations});
   });
   all.state_hash = hash.value();
   return all;

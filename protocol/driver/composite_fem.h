@@ -14,6 +14,8 @@ struct FemPart {
   std::string name;
   std::unique_ptr<FemSide> side;
   std::vector<std::size_t> ports;
+  double compute_s = 0.0;              ///< of all advances
+  std::int64_t solver_iterations = 0;  ///< likewise
 };
 
 /// Several flexible bodies as one flexible side, so that schemes, journal and monolithic step know

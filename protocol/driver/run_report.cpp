@@ -89,6 +89,19 @@ ordered_json energy_json(const RunReport& r) {
   return json;
 }
 
+/// Of several flexible bodies: which one computes how long, and its own book.
+ordered_json bodies_json(const RunReport& r) {
+  ordered_json json;
+  for (std::size_t b = 0; b < r.bodies_end.size(); ++b) {
+    const BodyObservation& end = r.bodies_end[b];
+    json[end.name] = {{"compute_s", end.compute_s},
+                      {"solver_iterations", end.solver_iterations},
+                      {"state_hash", fmt::format("{:016x}", end.state_hash)},
+                      {"energy_J", book_json(r.bodies_start[b].energy, end.energy)}};
+  }
+  return json;
+}
+
 double transfer_s(const Ledger& l) { return l.encode_s + l.decode_s + l.publish_s + l.transit_s; }
 
 }  // namespace
@@ -176,6 +189,7 @@ ordered_json to_json(const RunReport& r) {
                          {"p99", quantile(exchange_us, 0.99)},
                          {"max", quantile(exchange_us, 1.0)}};
   json["energy_J"] = energy_json(r);
+  if (!r.broken_off && !r.bodies_end.empty()) json["bodies"] = bodies_json(r);
   if (!r.broken_off) json["state_hash"] = fmt::format("{:016x}", r.state_hash);
   json["ports"] = ports_json(r);
   return json;

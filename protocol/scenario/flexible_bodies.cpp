@@ -12,6 +12,7 @@
 namespace tandem::scenario {
 namespace {
 
+constexpr std::size_t kLongestName = 64;
 constexpr const char* kTaken[] = {"mbs", "fem", "orchestrator", "tool", "logs"};
 
 std::vector<std::string> names_of(const std::vector<Node>& nodes) {
@@ -66,8 +67,13 @@ BodyPorts only_body(const Node& root) {
   return body;
 }
 
-void require_free_name(const Node& body) {
+/// Folders, logs and processes carry the name.
+void require_good_name(const Node& body) {
   const std::string name = body.text("name");
+  if (name.size() > kLongestName) {
+    body.fail("name", fmt::format("has {} letters. A body's name has {} at most.", name.size(),
+                                  kLongestName));
+  }
   if (std::find(std::begin(kTaken), std::end(kTaken), name) == std::end(kTaken)) return;
   body.fail("name",
             fmt::format("'{}' is the name of a process of every run. Choose another.", name));
@@ -85,7 +91,7 @@ std::vector<BodyPorts> body_table(const Node& root) {
     bodies[owner_of(table[i], names)].ports.push_back(i);
   }
   for (std::size_t b = 0; b < nodes.size(); ++b) {
-    require_free_name(nodes[b]);
+    require_good_name(nodes[b]);
     bodies[b].name = names[b];
     if (!bodies[b].ports.empty()) continue;
     nodes[b].fail("name", fmt::format("no port belongs to '{0}'. Say flexible: {0} at its ports, "

@@ -1,6 +1,7 @@
 #include "protocol/scenario/override.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -104,9 +105,11 @@ class Walk {
       for (const YamlValue& entry : list.items) {
         if (const YamlValue* name = entry.find("name")) names.push_back(name->text);
       }
+      std::string near = did_you_mean(words_[depth], names);
+      if (near.empty() && !names.empty()) near = fmt::format(" It has {}.", fmt::join(names, ", "));
       return refuse(depth + 1, fmt::format("names no entry of this list. Use a name or an index "
                                            "below {}.{}",
-                                           list.items.size(), did_you_mean(words_[depth], names)));
+                                           list.items.size(), near));
     }
     if (depth + 1 == words_.size()) {
       *item = value_;

@@ -257,6 +257,10 @@ class Validator {
 
   std::optional<Checked> mappings(const YamlValue& yaml, const Key& key, const std::string& path) {
     if (!check_list(yaml, key, path)) return std::nullopt;
+    if (key.or_list && yaml.items.empty()) {
+      refuse(yaml, path, "is an empty list. Give one mapping, or a list of named ones.");
+      return std::nullopt;
+    }
     const auto name_row = std::ranges::find(key.section->keys, "name", &Key::name);
     const bool named = name_row != key.section->keys.end() && name_row->type == Type::Name;
     std::map<std::string, Place> seen;

@@ -136,6 +136,21 @@ TEST(RunBodiesFailures, TheLostBodyIsNamed) {
   }
 }
 
+// Which body computes how long, and what each holds, stand in the summary; they add up.
+TEST(RunBodiesBooks, AreThoseOfEachBody) {
+  const Chain chain(2);
+  const auto summary = chain.run("run", {});
+  double interface_J = 0.0;
+  for (const std::string link : {"link1", "link2"}) {
+    const auto& body = summary.at("bodies").at(link);
+    EXPECT_GT(body.at("compute_s").get<double>(), 0.0);
+    EXPECT_EQ(body.at("state_hash").get<std::string>().size(), 16U);
+    interface_J += body.at("energy_J").at("interface_work").get<double>();
+  }
+  const double all_J = summary.at("energy_J").at("fem").at("interface_work").get<double>();
+  EXPECT_NEAR(interface_J, all_J, 1e-12 * std::abs(all_J)) << "a sum of two numbers";
+}
+
 TEST(RunBodiesControl, CommandsSayWhichBody) {
   const Chain chain(2);
   ChildProcess tandem(
@@ -152,10 +167,16 @@ TEST(RunBodiesControl, CommandsSayWhichBody) {
   const Ended refused =
       tandem_command({"control", (chain.folder / "run").string(), "force", "right", "0,0,1"});
   EXPECT_NE(refused.code, 0);
-  EXPECT_NE(refused.output.find("Say which one is meant: link1, link2."), std::string::npos)
+  EXPECT_NE(refused.output.find("Name it with --body: link1, link2."), std::string::npos)
       << refused.output;
   tandem.signal(SIGINT);
   EXPECT_EQ(tandem.wait(15.0), 130) << tandem.output();
+  // The command is in the log, and is made again for its own body alone.
+  for (const std::string link : {"link1", "link2"}) {
+    const Ended replay = tandem_command(
+        {"replay", (chain.folder / "run").string(), "--side", link, "--transport", "inproc"});
+    EXPECT_EQ(replay.code, 0) << link << ": " << replay.output;
+  }
 }
 
 // Each body writes into a folder of its name.

@@ -76,13 +76,13 @@ TEST(FlexibleBodies, DefectsNameThePlace) {
                 "scenario.yaml:3:5: ports.p1.flexible: is missing. fem lists several bodies: name "
                 "the port's, one of rod, arm.");
   expect_defect(ports_of({"arm", "rot"}) + kBodies, table,
-                "scenario.yaml:3:34: ports.p1.flexible: 'rot' is no body of fem. Did you mean "
+                "scenario.yaml:3:35: ports.p1.flexible: 'rot' is no body of fem. Did you mean "
                 "'rod'?");
   expect_defect(ports_of({"arm"}) + kBodies, table,
                 "scenario.yaml:4:12: fem.rod.name: no port belongs to 'rod'. Say flexible: rod at "
                 "its ports, or remove the body.");
   expect_defect(ports_of({"arm"}) + "fem: {young_Pa: 1}\n", table,
-                "scenario.yaml:2:34: ports.p0.flexible: 'arm' is not fem.name: there is one "
+                "scenario.yaml:2:35: ports.p0.flexible: 'arm' is not fem.name: there is one "
                 "flexible body. Leave it out, or make fem a list of named bodies.");
   expect_defect(ports_of({"mbs"}) + "fem:\n  - {name: mbs, young_Pa: 1}\n", table,
                 "scenario.yaml:4:12: fem.mbs.name: 'mbs' is the name of a process of every run. "

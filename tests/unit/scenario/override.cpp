@@ -73,7 +73,8 @@ TEST(Override, BadPathsAreRefusedWithTheRemedy) {
                  "bodies.crnk: names no entry of this list. Use a name or an index below 2. Did "
                  "you mean 'crank'?");
   expect_refused("bodies.2.mass_kg=5",
-                 "bodies.2: names no entry of this list. Use a name or an index below 2.");
+                 "bodies.2: names no entry of this list. Use a name or an index below 2. It has "
+                 "crank, rod.");
   expect_refused("bodies.rod.mass=5",
                  "bodies.rod.mass: is not a key here. Did you mean 'mass_kg' (kg)?");
   expect_refused("title.x=5",

@@ -134,8 +134,7 @@ TEST_F(TwoBodies, TakeCommandsByName) {
   const CommandResult refused = both.command("fix HUB");
   EXPECT_FALSE(refused.accepted);
   EXPECT_EQ(refused.message,
-            "fem: 'fix HUB' begins with the name of no flexible body. Say which one is meant: "
-            "soft, stiff.");
+            "fem: 'fix HUB': which flexible body is meant? Name it with --body: soft, stiff.");
 }
 
 TEST_F(TwoBodies, AddTheirBooksAndHashes) {
