@@ -8,12 +8,12 @@
 namespace tandem::fem {
 namespace {
 
-Eigen::Vector3d at(const Vector12& q, int j) { return q.segment<3>(3 * j); }
+Eigen::Vector3d triple(const Vector12& q, int j) { return q.segment<3>(3 * j); }
 
 /// Σ_k a_k × b_k over the last three 3-vectors.
 Eigen::Vector3d sum_of_crosses(const Eigen::Matrix3d& a, const Vector12& b) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) sum += a.col(k).cross(at(b, k + 1));
+  for (int k = 0; k < 3; ++k) sum += a.col(k).cross(triple(b, k + 1));
   return sum;
 }
 
@@ -21,8 +21,8 @@ Eigen::Vector3d sum_of_crosses(const Eigen::Matrix3d& a, const Vector12& b) {
 Eigen::Matrix3d turning(const Eigen::Matrix3d& b, const Vector12& q) {
   Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {
-    H.diagonal().array() += b.col(k).dot(at(q, k + 1));
-    H -= at(q, k + 1) * b.col(k).transpose();
+    H.diagonal().array() += b.col(k).dot(triple(q, k + 1));
+    H -= triple(q, k + 1) * b.col(k).transpose();
   }
   return H;
 }
@@ -137,7 +137,7 @@ Bushing::Response Bushing::response(const NodeAverage& average, const Vector12& 
   Vector6 e;
   Vector6 nu;
   e << u, theta;
-  nu << R_BP * (at(rate, 0) - omega.cross(arm)), R_BP * omega;
+  nu << R_BP * (triple(rate, 0) - omega.cross(arm)), R_BP * omega;
   const Vector6 s = params_.stiffness * e;
   const Vector6 n = params_.damping * nu;
   const Eigen::Vector3d s_theta = s.tail<3>();
@@ -163,8 +163,8 @@ Bushing::Response Bushing::response(const NodeAverage& average, const Vector12& 
     const Eigen::Vector3d d_theta = J_r_inverse.transpose() * (R_BP * alpha);
     Vector6 de;
     Vector6 d_nu;
-    de << R_BP * (at(dq, 0) - d_arm), d_theta;
-    d_nu << R_BP * (at(d_rate, 0) - d_omega.cross(arm) - omega.cross(d_arm)), R_BP * d_omega;
+    de << R_BP * (triple(dq, 0) - d_arm), d_theta;
+    d_nu << R_BP * (triple(d_rate, 0) - d_omega.cross(arm) - omega.cross(d_arm)), R_BP * d_omega;
     const Vector6 ds = params_.stiffness * de;
     const Vector6 dn = params_.damping * d_nu;
     const Eigen::Matrix3d dT = cross_matrix(d_theta);
@@ -197,7 +197,7 @@ PortRelation Bushing::relation(const NodeAverage& average, const PortView& view)
                         .F_w = Eigen::Matrix<double, 12, 3>::Zero(),
                         .F_phi = Matrix12::Identity()};
   for (int j = 0; j < 4; ++j) {
-    relation.F_w -= answer.phi_rate.middleCols<3>(3 * j) * cross_matrix(at(view.q, j));
+    relation.F_w -= answer.phi_rate.middleCols<3>(3 * j) * cross_matrix(triple(view.q, j));
   }
   return relation;
 }

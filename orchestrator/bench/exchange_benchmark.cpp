@@ -150,7 +150,7 @@ class TimedSink final : public StepSink {
 class SendingSink final : public StepSink {
  public:
   explicit SendingSink(wire::JournalSender& sender) : sender_(sender) {}
-  double record(wire::StepJournal journal) override { return sender_.send(journal); }
+  double record(wire::StepJournal journal) override { return sender_.send(std::move(journal)); }
 
  private:
   wire::JournalSender& sender_;

@@ -30,26 +30,6 @@ table { border-collapse: collapse; } td, th { padding: .25rem .8rem; text-align:
 th:first-child, td:first-child { text-align: left; } .bad { color: #b03000; font-weight: 600; }
 td.message { text-align: left; max-width: 50rem; } svg { max-width: 100%; height: auto; })";
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 struct ReportedRun {
   std::string label;
   ordered_json summary;

@@ -21,24 +21,6 @@ constexpr double kCharacter = 6.5;     // mean width in a sans-serif font of 12 
 constexpr std::array<const char*, 7> kColours = {"#000000", "#d55e00", "#0072b2", "#009e73",
                                                  "#e69f00", "#cc79a7", "#56b4e9"};
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    if (c == '&') {
-      out += "&amp;";
-    } else if (c == '<') {
-      out += "&lt;";
-    } else if (c == '>') {
-      out += "&gt;";
-    } else if (c == '"') {
-      out += "&quot;";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
-
 /// One axis: data values to pixels.
 class Axis {
  public:
@@ -221,6 +203,24 @@ Size size_of(const std::vector<Plot>& plots) {
 }
 
 }  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    if (c == '&') {
+      out += "&amp;";
+    } else if (c == '<') {
+      out += "&lt;";
+    } else if (c == '>') {
+      out += "&gt;";
+    } else if (c == '"') {
+      out += "&quot;";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
 
 std::vector<double> nice_ticks(double low, double high, int wanted) {
   std::vector<double> ticks;

@@ -27,6 +27,9 @@ struct Plot {
   std::vector<PlotSeries> series;
 };
 
+/// As text, or the value of an attribute, in SVG and HTML.
+[[nodiscard]] std::string escaped(const std::string& text);
+
 /// Positions of 1-2-5 ticks within [low, high], about `wanted` of them.
 [[nodiscard]] std::vector<double> nice_ticks(double low, double high, int wanted);
 

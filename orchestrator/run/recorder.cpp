@@ -29,7 +29,8 @@ Recorder::Recorder(const Model& model, const RunDirectory& directory, std::uint6
 
 double Recorder::record(wire::StepJournal journal) {
   for (const wire::CallRecord& call : journal.calls) {
-    const std::string misfit = wire::misfit(call, so_far_.port_names.size());
+    const bool received = journal.received.message != nullptr;
+    const std::string misfit = wire::misfit(call, so_far_.port_names.size(), received);
     if (!misfit.empty()) throw Error(ErrorKind::Partner, "orchestrator: " + misfit + ".");
   }
   if (logs(journal)) {

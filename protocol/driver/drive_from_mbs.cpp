@@ -19,7 +19,7 @@ class SendingSink final : public StepSink {
   double record(wire::StepJournal journal) override {
     context_.heartbeat.set_macro_step(journal.step.macro_step);
     context_.monitor.set_macro_step(journal.step.macro_step);
-    return sender_.send(journal);
+    return sender_.send(std::move(journal));
   }
   void rest(double seconds) override {
     // Looks, and sleeps: to wait for a datagram takes whole ticks of the kernel's clock.
@@ -44,14 +44,16 @@ int drive_from_mbs(SideContext& context, MbsSide& mbs) {
   context.heartbeat.set_phase("waiting for tandem");
   wire::await_hello(hello, context.monitor, context.wire.start_timeout_s);
   context.heartbeat.set_phase("stepping");
+  const scenario::OutputParams output = scenario::read_output(context.scenario.root);
   wire::JournalSender sender(context.bus, context.monitor,
-                             static_cast<int>(context.wire.credit_window));
+                             static_cast<int>(context.wire.credit_window),
+                             output.log_every_steps == 1);
   SendingSink sink(sender, context);
   const CouplingParams coupling = read_coupling(context.scenario.root);
   ControlInbox inbox(context.bus);
   CoupledRunParams params = scheme_run(context.run, coupling);
   params.commands = &inbox;
-  params.energy_every_steps = scenario::read_output(context.scenario.root).energy_every_steps;
+  params.energy_every_steps = output.energy_every_steps;
   RunReport report =
       run_coupled(params, {mbs, Locality::Here}, {fem.side(), Locality::Elsewhere}, sink);
   report.ledger.book_lost(context.bus.counts().damaged);

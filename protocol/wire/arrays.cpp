@@ -1,7 +1,6 @@
 #include "protocol/wire/arrays.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 
@@ -30,15 +29,37 @@ const std::uint8_t* get(const std::uint8_t* at, double* values, std::size_t coun
   return at + 8 * count;
 }
 
-/// Writes each element to a small buffer and compares that: ends at the first difference.
+/// Zero when these bits stand there.
+template <std::size_t kCount>
+std::uint64_t differing_bits(const std::uint8_t* at, const double* values) {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < kCount; ++i) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, at + 8 * i, 8);
+    bits |= swapped(word) ^ std::bit_cast<std::uint64_t>(values[i]);
+  }
+  return bits;
+}
+
+std::uint64_t differing_bits(const std::uint8_t* at, const Motion& motion) {
+  const Eigen::Vector4d& xyzw = motion.q_WP.coeffs();
+  return differing_bits<3>(at, motion.p_WP.data()) | differing_bits<1>(at + 24, xyzw.data() + 3) |
+         differing_bits<3>(at + 32, xyzw.data()) | differing_bits<3>(at + 56, motion.v_WP.data()) |
+         differing_bits<3>(at + 80, motion.w_WP.data());
+}
+
+std::uint64_t differing_bits(const std::uint8_t* at, const Wrench& wrench) {
+  return differing_bits<3>(at, wrench.f_P_W.data()) |
+         differing_bits<3>(at + 24, wrench.t_P_W.data());
+}
+
+/// Ends at the first element that differs.
 template <std::size_t kSize, class Element>
 bool same(std::span<const Element> elements, ByteView written) {
   if (written.size() != kSize * elements.size()) return false;
-  std::array<std::uint8_t, kSize> bytes{};
   const std::uint8_t* at = written.data();
   for (const Element& element : elements) {
-    ArrayWriter(bytes.data()).add(std::span(&element, 1));
-    if (std::memcmp(bytes.data(), at, kSize) != 0) return false;
+    if (differing_bits(at, element) != 0) return false;
     at += kSize;
   }
   return true;

@@ -304,6 +304,12 @@ void Bus::State::dispatch(const Header& header, std::string_view channel, ByteVi
   handler(header, message);
 }
 
+std::shared_ptr<Bytes> Bus::share(ByteView message) const {
+  const std::shared_ptr<Bytes>& whole = state_->assembler.whole();
+  if (whole && whole->data() == message.data() && whole->size() == message.size()) return whole;
+  return std::make_shared<Bytes>(message.begin(), message.end());
+}
+
 double Bus::arrival_s() const { return state_->arrival_s; }
 
 const BusOptions& Bus::options() const { return state_->options; }

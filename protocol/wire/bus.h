@@ -102,6 +102,10 @@ class Bus {
   /// now_s() at which the datagram came in that is being handled.
   [[nodiscard]] double arrival_s() const;
 
+  /// The message that is being handled, to be kept: without a copy when it came in chunks. Its
+  /// bytes may be written to.
+  [[nodiscard]] std::shared_ptr<Bytes> share(ByteView message) const;
+
   /// A header for a message of this process; sequence numbers are the caller's.
   [[nodiscard]] Header header(Kind kind, std::int64_t sequence = 0) const;
 

@@ -22,20 +22,20 @@ std::optional<ByteView> Assembler::add(const Chunk& chunk) {
                 whole};
   if (whole_key_ == key) {
     if (index != 0 || !chunk.ends_burst) return std::nullopt;
-    return ByteView(whole_.bytes.get(), whole);
+    return ByteView(*whole_);
   }
   last_ = key;
   Open& message = entry(key, count);
   if (message.here[index]) return std::nullopt;
-  std::copy(chunk.bytes.begin(), chunk.bytes.end(), message.memory.bytes.get() + begin);
+  std::copy(chunk.bytes.begin(), chunk.bytes.end(), message.memory->data() + begin);
   message.here[index] = true;
   if (--message.missing > 0) return std::nullopt;
   spare_ = std::exchange(whole_, std::move(message.memory));
   whole_key_ = std::exchange(last_, std::nullopt);
   open_.erase(std::find_if(open_.begin(), open_.end(),
                            [&](const Open& other) { return &other == &message; }));
-  set_checksum({whole_.bytes.get(), whole}, chunk.whole_checksum);
-  return ByteView(whole_.bytes.get(), whole);
+  set_checksum(*whole_, chunk.whole_checksum);
+  return ByteView(*whole_);
 }
 
 std::optional<Assembler::Lacking> Assembler::lacks(std::size_t most) const {
@@ -64,10 +64,10 @@ Assembler::Open& Assembler::entry(const Key& key, std::size_t count) {
   };
   while (open_.size() >= kMaxOpen || total() + key.size > 2 * kMaxMessage) open_.pop_front();
   // Not filled: what a message claims to be takes no memory before its parts are here.
-  Memory memory = std::exchange(spare_, {});
-  if (memory.capacity < key.size) {
-    memory = {std::make_unique_for_overwrite<std::uint8_t[]>(key.size), key.size};
-  }
+  std::shared_ptr<Bytes> memory = std::exchange(spare_, {});
+  if (!memory || memory.use_count() > 1) memory = std::make_shared<Bytes>();
+  memory->clear();  // nothing to be taken along into larger memory
+  memory->resize(key.size);
   return open_.emplace_back(Open{key, std::move(memory), std::vector<bool>(count), count});
 }
 

@@ -28,6 +28,10 @@ class Assembler {
   /// again.
   [[nodiscard]] std::optional<ByteView> add(const Chunk& chunk);
 
+  /// The message that add() handed out last, for those who need it for longer: its memory is then
+  /// not used again.
+  [[nodiscard]] const std::shared_ptr<Bytes>& whole() const { return whole_; }
+
   /// What is missing of the message to which a chunk was added last, at most so many parts; nothing
   /// when it is whole. The header is the caller's to fill in.
   struct Lacking {
@@ -37,10 +41,6 @@ class Assembler {
   [[nodiscard]] std::optional<Lacking> lacks(std::size_t most) const;
 
  private:
-  struct Memory {
-    std::unique_ptr<std::uint8_t[]> bytes;
-    std::size_t capacity = 0;
-  };
   /// What tells one message from another.
   struct Key {
     Process sender{};
@@ -52,7 +52,7 @@ class Assembler {
   };
   struct Open {
     Key key;
-    Memory memory;
+    std::shared_ptr<Bytes> memory;
     std::vector<bool> here;
     std::size_t missing = 0;
   };
@@ -61,8 +61,8 @@ class Assembler {
   std::deque<Open> open_;
   std::optional<Key> last_;  ///< the chunk added last was part of this one
   std::optional<Key> whole_key_;
-  Memory whole_;  ///< the message handed out
-  Memory spare_;  ///< of the one before
+  std::shared_ptr<Bytes> whole_;  ///< the message handed out
+  std::shared_ptr<Bytes> spare_;  ///< the one before
 };
 
 }  // namespace tandem::wire

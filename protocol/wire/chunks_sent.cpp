@@ -25,12 +25,17 @@ SentMessage::SentMessage(ByteView message, Bytes memory) : message_(std::move(me
           "wire: a message of " + std::to_string(message.size()) +
               " bytes cannot be sent: it is larger than 64 MiB");
   header_ = header_of(message);
-  message_.assign(message.begin(), message.end());
-  set_checksum(message_, 0);
-  for (std::size_t begin = 0; begin < message_.size(); begin += kChunkData) {
-    const std::size_t size = std::min(kChunkData, message_.size() - begin);
-    checksums_.push_back(crc32(0, ByteView(message_).subspan(begin, size)));
-    checksum_ = crc32_joined(checksum_, checksums_.back(), size);
+  message_.clear();  // nothing to be taken along into larger memory
+  message_.resize(kChunkHead + message.size());
+  const std::span<std::uint8_t> copy = std::span(message_).subspan(kChunkHead);
+  // Part by part: what was just copied is still in the cache when its checksum is taken.
+  for (std::size_t begin = 0; begin < copy.size(); begin += kChunkData) {
+    const std::span<std::uint8_t> part =
+        copy.subspan(begin, std::min(kChunkData, copy.size() - begin));
+    std::copy_n(message.begin() + static_cast<std::ptrdiff_t>(begin), part.size(), part.begin());
+    if (begin == 0) set_checksum(part, 0);
+    checksums_.push_back(crc32(0, part));
+    checksum_ = crc32_joined(checksum_, checksums_.back(), part.size());
   }
 }
 
@@ -45,24 +50,17 @@ void SentMessage::send(std::size_t index, bool ends_burst, std::int32_t attempt,
   chunk.header.kind = Kind::Chunk;
   chunk.whole_kind = header_.kind;
   chunk.whole_checksum = checksum_;
-  chunk.whole_bytes = static_cast<std::int32_t>(message_.size());
+  chunk.whole_bytes = static_cast<std::int32_t>(bytes());
   chunk.index = static_cast<std::int32_t>(index);
   chunk.count = static_cast<std::int32_t>(checksums_.size());
   chunk.ends_burst = ends_burst;
   const std::size_t begin = index * kChunkData;
-  const std::size_t size = std::min(kChunkData, message_.size() - begin);
+  const std::size_t size = std::min(kChunkData, bytes() - begin);
   std::array<std::uint8_t, kChunkHead> head{};
   encode_head(chunk, size, head);
   seal(head, attempt, checksums_[index], size);
-  if (begin == 0) {
-    Bytes first(head.begin(), head.end());
-    first.insert(first.end(), message_.begin(),
-                 message_.begin() + static_cast<std::ptrdiff_t>(size));
-    send(first);
-    return;
-  }
   std::array<std::uint8_t, kChunkHead> covered{};
-  std::uint8_t* at = message_.data() + begin - kChunkHead;
+  std::uint8_t* at = message_.data() + begin;
   std::copy_n(at, kChunkHead, covered.begin());
   std::copy_n(head.begin(), kChunkHead, at);
   send({at, kChunkHead + size});

@@ -21,7 +21,7 @@ inline constexpr std::size_t kMaxWhole = 60000;
 
 /// A message above kMaxWhole, in sealed chunk messages. The message's own checksum is written into
 /// each chunk and is zero in the message itself. A part is sent from where it lies, behind a header
-/// that stands there meanwhile.
+/// that stands there meanwhile; before the first part there is room for one.
 class SentMessage {
  public:
   using Send = std::function<void(ByteView)>;
@@ -34,7 +34,7 @@ class SentMessage {
   /// Whether it is the one of which the parts are missing.
   [[nodiscard]] bool is(const Missing& missing) const;
   [[nodiscard]] const Header& header() const { return header_; }
-  [[nodiscard]] std::size_t bytes() const { return message_.size(); }
+  [[nodiscard]] std::size_t bytes() const { return message_.size() - kChunkHead; }
   [[nodiscard]] std::size_t parts() const { return checksums_.size(); }
 
   /// Hands a part to `send`; `ends_burst` says that no more come before they are asked for. The
@@ -43,7 +43,7 @@ class SentMessage {
 
  private:
   Header header_;
-  Bytes message_;
+  Bytes message_;  ///< behind kChunkHead bytes of room
   std::uint32_t checksum_ = 0;
   std::vector<std::uint32_t> checksums_;  ///< CRC-32 of each part
 };

@@ -10,7 +10,6 @@
 #include <cstring>
 #include <iterator>
 #include <string_view>
-#include <type_traits>
 
 #include "protocol/contract/error.h"
 
@@ -38,15 +37,13 @@ std::string channel_of(std::uint64_t run_id, Process topic, Kind kind) {
   return fmt::format("TANDEM_{:016x}_{}_{}", run_id, text_of(topic), text_of(kind));
 }
 
-Process topic_of(const CallRecord& call) {
-  return call.side == SideName::Mbs ? Process::Mbs : Process::Fem;
-}
+Process topic_of(SideName side) { return side == SideName::Mbs ? Process::Mbs : Process::Fem; }
 
 // The channel that an event with this content must have.
 std::string channel_of(const Header& header, ByteView payload) {
   Process topic = Process::Orchestrator;
   if (header.kind == Kind::Call) {
-    if (const auto call = decode_call(payload)) topic = topic_of(*call);
+    if (const auto side = side_of_call(payload)) topic = topic_of(*side);
   }
   return channel_of(header.run_id, topic, header.kind);
 }
@@ -73,29 +70,49 @@ LogWriter::LogWriter(const std::filesystem::path& file, std::uint64_t run_id,
 
 LogWriter::~LogWriter() = default;
 
+Header LogWriter::next_header(Kind kind) {
+  return {.run_id = run_id_,
+          .sequence = number_++,
+          .kind = kind,
+          .sender = Process::Orchestrator,
+          .time_us = wall_clock_us()};
+}
+
 template <class Record>
 void LogWriter::event(Process topic, Kind kind, const Record& record) {
-  Header header;
-  header.run_id = run_id_;
-  header.sequence = number_++;
-  header.kind = kind;
-  header.sender = Process::Orchestrator;
-  header.time_us = wall_clock_us();
-  if constexpr (std::is_same_v<Record, CallRecord>) {
-    encode(header, record, message_);  // the large ones
-  } else {
-    message_ = encode(header, record);
-  }
+  const Header header = next_header(kind);
+  message_ = encode(header, record);
   seal(message_);
-  std::string channel = channel_of(run_id_, topic, kind);
+  put(topic, header, message_);
+}
+
+void LogWriter::event(const CallRecord& call) {
+  const Header header = next_header(Kind::Call);
+  encode(header, call, message_, accepted_.is_begin_of(call));
+  accepted_.follow(call);
+  seal(message_);
+  put(topic_of(call.side), header, message_);
+}
+
+void LogWriter::event(Process topic, Kind kind, std::span<std::uint8_t> received) {
+  const Header given = header_of(received);
+  Header header = next_header(kind);
+  header.macro_step = given.macro_step;
+  header.iteration = given.iteration;
+  seal_as(header, received);
+  put(topic, header, received);
+}
+
+void LogWriter::put(Process topic, const Header& header, std::span<std::uint8_t> message) {
+  std::string channel = channel_of(run_id_, topic, header.kind);
   lcm_eventlog_event_t event{};
   event.timestamp = header.time_us;
   event.channellen = static_cast<std::int32_t>(channel.size());
-  event.datalen = static_cast<std::int32_t>(message_.size());
+  event.datalen = static_cast<std::int32_t>(message.size());
   event.channel = channel.data();
-  event.data = message_.data();
+  event.data = message.data();
   if (lcm_eventlog_write_event(file_->log, &event) != 0) fail();
-  bytes_ += static_cast<std::int64_t>(kEventHeader + channel.size() + message_.size());
+  bytes_ += static_cast<std::int64_t>(kEventHeader + channel.size() + message.size());
 }
 
 // liblcm writes through a buffered stream and flushes at the end only; a full disk shows here.
@@ -121,8 +138,16 @@ void LogWriter::fail() const {
 }
 
 void LogWriter::write(const StepJournal& journal) {
-  for (const CallRecord& call : journal.calls) event(topic_of(call), Kind::Call, call);
-  event(Process::Orchestrator, Kind::Step, journal.step);
+  const auto& received = journal.received.events;
+  if (received.empty()) {
+    for (const CallRecord& call : journal.calls) event(call);
+    event(Process::Orchestrator, Kind::Step, journal.step);
+  } else {
+    for (std::size_t i = 0; i < journal.calls.size(); ++i) {
+      event(topic_of(journal.calls[i].side), Kind::Call, received[i]);
+    }
+    event(Process::Orchestrator, Kind::Step, received.back());
+  }
   flush();
 }
 
@@ -204,7 +229,11 @@ std::optional<LogReader::Event> LogReader::next() {
   if (!raw) return std::nullopt;
   std::optional<Event> event;
   if (raw->header.kind == Kind::Call) {
-    if (auto call = decode_call(raw->payload)) event = std::move(*call);
+    if (auto call = decode_call(raw->payload)) {
+      accepted_.complete(*call);
+      accepted_.follow(*call);
+      event = std::move(*call);
+    }
   } else if (raw->header.kind == Kind::Step) {
     if (auto step = decode_step(raw->payload)) event = std::move(*step);
   } else if (raw->header.kind == Kind::Finished) {

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -29,6 +30,8 @@ class LogWriter {
   LogWriter& operator=(const LogWriter&) = delete;
 
   /// Writes and flushes to the operating system: readable even if this process is killed next.
+  /// What was received is written as it came, with this log's headers; the rest is encoded, calls
+  /// without a begin that the log holds already. One log takes steps of one of both kinds.
   void write(const StepJournal& journal);
   void write(const Finished& finished);
 
@@ -39,15 +42,20 @@ class LogWriter {
 
  private:
   struct File;
+  [[nodiscard]] Header next_header(Kind kind);
   template <class Record>
   void event(Process topic, Kind kind, const Record& record);
+  void event(Process topic, Kind kind, std::span<std::uint8_t> received);
+  void event(const CallRecord& call);
+  void put(Process topic, const Header& header, std::span<std::uint8_t> message);
   void flush();
   [[noreturn]] void fail() const;
 
   std::unique_ptr<File> file_;
   std::string name_;
   std::uint64_t run_id_;
-  Bytes message_;  ///< of the event being written
+  AcceptedInputs accepted_;  ///< of the calls encoded here
+  Bytes message_;            ///< of the event being written
   std::int64_t number_ = 0;
   std::int64_t bytes_ = 0;
 };
@@ -64,8 +72,8 @@ class LogReader {
   [[nodiscard]] const ScenarioText& scenario() const { return scenario_; }
   [[nodiscard]] std::uint64_t run_id() const { return run_id_; }
 
-  /// The next event, or nothing at the end. Throws tandem::Error (Usage) naming event number and
-  /// macro step when the event is damaged. A last event that is cut short ends the log.
+  /// The next event, complete, or nothing at the end. Throws tandem::Error (Usage) naming event
+  /// number and macro step when the event is damaged. A last event that is cut short ends the log.
   std::optional<Event> next();
 
   /// All calls and the record of the next macro step; nothing at the end, or when the log was cut
@@ -99,6 +107,7 @@ class LogReader {
   std::int64_t number_ = 0;
   bool at_end_ = false;           ///< the event being read reaches to the end of the file
   std::int64_t macro_step_ = -1;  ///< the last one read whole
+  AcceptedInputs accepted_;       ///< as the calls read so far say
   std::uint64_t run_id_ = 0;
   ScenarioText scenario_;
   std::optional<Finished> finished_;

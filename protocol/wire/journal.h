@@ -2,12 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "protocol/contract/ledger.h"
 #include "protocol/contract/subsystem.h"
+#include "protocol/wire/seal.h"
 
 namespace tandem::wire {
 
@@ -42,8 +45,27 @@ struct CallRecord {
   std::string command;  ///< Command: its text
 };
 
-/// Why the values of a call do not fit a run of so many ports; empty = they do.
-[[nodiscard]] std::string misfit(const CallRecord& call, std::size_t ports);
+/// Why the values of a call do not fit a run of so many ports; empty = they do. The begin of a
+/// received call may have been left out.
+[[nodiscard]] std::string misfit(const CallRecord& call, std::size_t ports,
+                                 bool may_lack_begin = false);
+
+/// The last accepted input of each side, to be told of every call in order. There the segments of
+/// the side's next calls begin: those that do, bit for bit, travel and are logged without their
+/// begin.
+class AcceptedInputs {
+ public:
+  /// Whether the call is an advance that begins there.
+  [[nodiscard]] bool is_begin_of(const CallRecord& call) const;
+  /// Gives an advance its begin when that was left out.
+  void complete(CallRecord& call) const;
+  void follow(const CallRecord& call);
+  void follow(CallRecord&& call);
+
+ private:
+  WrenchSet wrenches_;
+  MotionSet motions_;
+};
 
 /// One macro step as the scheme ended it. Macro step 0 carries the initialization.
 struct StepRecord {
@@ -58,10 +80,18 @@ struct StepRecord {
   std::optional<SideEnergies> energy;  ///< at its end, where it was observed
 };
 
+/// The events of a macro step as they were encoded by the driver, in the message that brought them.
+/// The log takes these bytes, and writes its own headers into them.
+struct ReceivedEvents {
+  std::shared_ptr<Bytes> message;               ///< null = the step was not received but made here
+  std::vector<std::span<std::uint8_t>> events;  ///< one a call, then the step's record
+};
+
 /// Everything that happened in one macro step: what travels to the orchestrator and into the log.
 struct StepJournal {
   StepRecord step;
   std::vector<CallRecord> calls;  ///< in the order they were made, discarded ones too
+  ReceivedEvents received = {};   ///< the same once more, where it came over the wire
 };
 
 /// Bytes of journals that may be unrecorded: as many as a receive buffer of this size (0 = not

@@ -85,10 +85,10 @@ void JournalReceiver::on_message(const Header& header, ByteView message) {
   if (!ahead_.empty()) ask_for_missing(now_s());
 }
 
-std::vector<JournalReceiver::Entry> JournalReceiver::decode(Kind kind, ByteView message) {
+std::vector<JournalReceiver::Entry> JournalReceiver::decode(Kind kind, ByteView message) const {
   std::vector<Entry> entries;
   if (kind == Kind::Journal) {
-    if (auto journals = decode_journal(message)) {
+    if (auto journals = decode_journal(bus_.share(message))) {
       for (StepJournal& journal : *journals) entries.emplace_back(std::move(journal));
     }
   } else if (auto finished = decode_finished(message)) {

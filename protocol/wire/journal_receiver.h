@@ -52,7 +52,7 @@ class JournalReceiver {
   };
 
   void on_message(const Header& header, ByteView message);
-  [[nodiscard]] static std::vector<Entry> decode(Kind kind, ByteView message);
+  [[nodiscard]] std::vector<Entry> decode(Kind kind, ByteView message) const;
   void take_in(Message message);
   void ask_for_missing(double time_s);
   void grant();

@@ -16,11 +16,12 @@ constexpr std::size_t kLargestBatch = 30000;  // so that it and one step more fi
 
 }  // namespace
 
-JournalSender::JournalSender(Bus& bus, LivenessMonitor& monitor, int window)
+JournalSender::JournalSender(Bus& bus, LivenessMonitor& monitor, int window, bool whole_log)
     : bus_(bus),
       monitor_(monitor),
       window_(static_cast<std::size_t>(window)),
-      most_bytes_(unrecorded_bytes(bus.receive_buffer_bytes())) {
+      most_bytes_(unrecorded_bytes(bus.receive_buffer_bytes())),
+      whole_log_(whole_log) {
   require(window >= 1, "wire: a credit window of " + std::to_string(window) +
                            " macro steps lets no step be made. Give at least 1.");
   credits_ = bus_.subscribe(Process::Orchestrator, Kind::Credit,
@@ -39,7 +40,7 @@ JournalSender::~JournalSender() {
   }
 }
 
-double JournalSender::send(const StepJournal& journal) {
+double JournalSender::send(StepJournal journal) {
   // Credit that has come in meanwhile costs no waiting; it need not be looked for in every step.
   if (2 * open_steps_ >= window_ || 2 * open_bytes_ >= most_bytes_) {
     while (monitor_.wait(0.0)) {
@@ -53,13 +54,20 @@ double JournalSender::send(const StepJournal& journal) {
   }
   const double time_s = now_s();
   if (batch_.steps == 0) {
-    batch_.message = std::move(spare_);
+    if (!spare_.empty()) {
+      batch_.message = std::move(spare_.back());
+      spare_.pop_back();
+    }
     begin_journal(batch_.message);
   }
-  append(journal, batch_.message);
+  macro_step_ = journal.step.macro_step;
+  if (whole_log_) {
+    append(std::move(journal), accepted_, batch_.message);
+  } else {
+    append(journal, batch_.message);
+  }
   ++batch_.steps;
   ++open_steps_;
-  macro_step_ = journal.step.macro_step;
   if (8 * batch_.steps >= window_ || batch_.message.size() > kLargestBatch ||
       time_s - flushed_s_ > kLongestStay_s) {
     flush();
@@ -128,7 +136,7 @@ void JournalSender::on_credit(ByteView message) {
   while (recorded_ < credit->recorded_through && !pending_.empty()) {
     open_steps_ -= pending_.front().steps;
     open_bytes_ -= pending_.front().message.size();
-    spare_ = std::move(pending_.front().message);
+    spare_.push_back(std::move(pending_.front().message));
     pending_.pop_front();
     ++recorded_;
   }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <vector>
 
 #include "protocol/wire/bus.h"
 #include "protocol/wire/liveness.h"
@@ -20,14 +21,15 @@ namespace tandem::wire {
 /// stays here for longer than 5 ms of stepping, or 20 ms of waiting for a partner.
 class JournalSender {
  public:
-  JournalSender(Bus& bus, LivenessMonitor& monitor, int window);
+  /// `whole_log`: every macro step is logged, so that calls can leave out what earlier ones hold.
+  JournalSender(Bus& bus, LivenessMonitor& monitor, int window, bool whole_log = true);
   ~JournalSender();  ///< what was not sent yet still is: the run may be failing
   JournalSender(const JournalSender&) = delete;
   JournalSender& operator=(const JournalSender&) = delete;
 
   /// Sends the journal of a macro step; blocks first while the window is used up. Returns the time
   /// blocked (s). Throws tandem::Error when the orchestrator is gone.
-  double send(const StepJournal& journal);
+  double send(StepJournal journal);
 
   /// Says how the run ended and waits until everything is recorded.
   void finish(const Finished& finished);
@@ -52,6 +54,8 @@ class JournalSender {
   LivenessMonitor& monitor_;
   std::size_t window_;
   std::size_t most_bytes_;
+  bool whole_log_;
+  AcceptedInputs accepted_;      ///< of the steps appended
   Pending batch_;                ///< not sent yet
   std::int64_t macro_step_ = 0;  ///< the last one in it
   double flushed_s_ = 0.0;
@@ -59,7 +63,7 @@ class JournalSender {
   std::deque<Pending> pending_;  ///< numbers recorded_ + 1, recorded_ + 2, …
   std::size_t open_steps_ = 0;   ///< in them and in the batch
   std::size_t open_bytes_ = 0;   ///< in them
-  Bytes spare_;                  ///< memory of a recorded message
+  std::vector<Bytes> spare_;     ///< memory of recorded messages
   std::int64_t resent_ = 0;
   Subscription credits_;
 };

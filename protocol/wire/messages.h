@@ -13,7 +13,7 @@
 namespace tandem::wire {
 
 /// Number of the wire format; both ends of a handshake compare it.
-inline constexpr std::int32_t kProtocolVersion = 6;
+inline constexpr std::int32_t kProtocolVersion = 7;
 
 enum class RequestKind : std::int32_t {
   Initialize = 0,
@@ -155,10 +155,14 @@ void encode_head(const Chunk& chunk, std::size_t size, std::span<std::uint8_t, k
 [[nodiscard]] Bytes encode(const Control& control);
 [[nodiscard]] Bytes encode(const Controlled& controlled);
 /// Messages of the journal: macro step and iteration of the header are those of the record.
-void encode(const Header& header, const CallRecord& call, Bytes& message);
+/// A call may be encoded without the begin of its input: AcceptedInputs.
+void encode(const Header& header, const CallRecord& call, Bytes& message,
+            bool without_begin = false);
 /// A journal message carries any number of macro steps: begin, append each, end with the header.
 void begin_journal(Bytes& message);
 void append(const StepJournal& journal, Bytes& message);
+/// The same, leaving out what `accepted` knows; takes the accepted inputs out of the journal.
+void append(StepJournal&& journal, AcceptedInputs& accepted, Bytes& message);
 void end_journal(const Header& header, Bytes& message);
 [[nodiscard]] Bytes encode(const Header& header, const StepRecord& step);
 [[nodiscard]] Bytes encode(const Header& header, const Finished& finished);
@@ -194,8 +198,12 @@ void end_journal(const Header& header, Bytes& message);
 [[nodiscard]] std::optional<Control> decode_control(ByteView message);
 [[nodiscard]] std::optional<Controlled> decode_controlled(ByteView message);
 [[nodiscard]] std::optional<CallRecord> decode_call(ByteView message);
+[[nodiscard]] std::optional<SideName> side_of_call(ByteView message);  ///< without the rest
 [[nodiscard]] std::optional<StepRecord> decode_step(ByteView message);
 [[nodiscard]] std::optional<std::vector<StepJournal>> decode_journal(ByteView message);
+/// The same with the events as received, which share the message.
+[[nodiscard]] std::optional<std::vector<StepJournal>> decode_journal(
+    const std::shared_ptr<Bytes>& message);
 [[nodiscard]] std::optional<Finished> decode_finished(ByteView message);
 [[nodiscard]] std::optional<ScenarioText> decode_scenario(ByteView message);
 

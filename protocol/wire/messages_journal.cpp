@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <tandem_wire/call_t.hpp>
 #include <tandem_wire/finished_t.hpp>
 #include <tandem_wire/journal_t.hpp>
@@ -22,7 +23,7 @@ namespace {
 
 constexpr std::size_t kSizeBytes = 4;
 
-void append(const Header& header, const CallRecord& call, Bytes& to) {
+void append(const Header& header, const CallRecord& call, Bytes& to, bool without_begin = false) {
   tandem_wire::call_t fixed{};
   fixed.header = pack(header);
   fixed.header.macro_step = call.macro_step;
@@ -36,17 +37,22 @@ void append(const Header& header, const CallRecord& call, Bytes& to) {
   fixed.step_ns = call.step.count();
   fixed.outcome = static_cast<std::int32_t>(call.outcome);
   fixed.solver_iterations = call.solver_iterations;
+  const bool from_mbs = call.side == SideName::Mbs;
+  std::span<const Motion> motions_begin = call.motions.begin;
+  std::span<const Wrench> wrenches_begin = call.wrenches.begin;
+  if (without_begin && from_mbs) wrenches_begin = {};
+  if (without_begin && !from_mbs) motions_begin = {};
   codec::begin(fixed,
-               {{call.motions.begin.size(), kMotionBytes},
+               {{motions_begin.size(), kMotionBytes},
                 {call.motions.end.size(), kMotionBytes},
-                {call.wrenches.begin.size(), kWrenchBytes},
+                {wrenches_begin.size(), kWrenchBytes},
                 {call.wrenches.end.size(), kWrenchBytes},
                 {call.message.size(), 1},
                 {call.command.size(), 1}},
                to, to.size())
-      .add(call.motions.begin)
+      .add(motions_begin)
       .add(call.motions.end)
-      .add(call.wrenches.begin)
+      .add(wrenches_begin)
       .add(call.wrenches.end)
       .add(std::span<const char>(call.message))
       .add(std::span<const char>(call.command));
@@ -54,19 +60,35 @@ void append(const Header& header, const CallRecord& call, Bytes& to) {
 
 }  // namespace
 
-void encode(const Header& header, const CallRecord& call, Bytes& message) {
+void encode(const Header& header, const CallRecord& call, Bytes& message, bool without_begin) {
   message.clear();
-  append(header, call, message);
+  append(header, call, message, without_begin);
 }
 
-std::optional<CallRecord> decode_call(ByteView message) {
-  const auto fixed = codec::fixed_part<tandem_wire::call_t>(
+namespace {
+
+std::optional<tandem_wire::call_t> fixed_part_of_call(ByteView message) {
+  auto fixed = codec::fixed_part<tandem_wire::call_t>(
       message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1, 1});
   if (!fixed || fixed->side < 0 || fixed->side > 1 || fixed->call < 0 ||
       fixed->call > static_cast<int>(CallKind::Command) || fixed->outcome < 0 ||
       fixed->outcome > static_cast<int>(Outcome::Failed)) {
     return std::nullopt;
   }
+  return fixed;
+}
+
+}  // namespace
+
+std::optional<SideName> side_of_call(ByteView message) {
+  const auto fixed = fixed_part_of_call(message);
+  if (!fixed) return std::nullopt;
+  return static_cast<SideName>(fixed->side);
+}
+
+std::optional<CallRecord> decode_call(ByteView message) {
+  const auto fixed = fixed_part_of_call(message);
+  if (!fixed) return std::nullopt;
   CallRecord call;
   call.side = static_cast<SideName>(fixed->side);
   call.kind = static_cast<CallKind>(fixed->call);
@@ -201,17 +223,44 @@ void append_sized(Bytes& message, Write write) {
 
 }  // namespace
 
+namespace {
+
+/// So that a step of many ports does not have its first calls moved for each of the later ones.
+void make_room(const StepJournal& journal, Bytes& message) {
+  std::size_t size = message.size();
+  for (const CallRecord& call : journal.calls) {
+    constexpr std::size_t kFixed = 256;  // more than the fixed part and the size of a call
+    size += kFixed + (call.motions.begin.size() + call.motions.end.size()) * kMotionBytes +
+            (call.wrenches.begin.size() + call.wrenches.end.size()) * kWrenchBytes;
+  }
+  if (size > message.capacity()) message.reserve(std::max(size, 2 * message.capacity()));
+}
+
+void append(const StepRecord& step, Bytes& message) {
+  const Bytes encoded = encode(Header{}, step);
+  message.insert(message.end(), encoded.begin(), encoded.end());
+}
+
+}  // namespace
+
 void begin_journal(Bytes& message) { codec::begin(tandem_wire::journal_t{}, {{0, 1}}, message); }
 
 void append(const StepJournal& journal, Bytes& message) {
-  const Header none;
+  make_room(journal, message);
   for (const CallRecord& call : journal.calls) {
-    append_sized(message, [&] { append(none, call, message); });
+    append_sized(message, [&] { append(Header{}, call, message); });
   }
-  append_sized(message, [&] {
-    const Bytes step = encode(none, journal.step);
-    message.insert(message.end(), step.begin(), step.end());
-  });
+  append_sized(message, [&] { append(journal.step, message); });
+}
+
+void append(StepJournal&& journal, AcceptedInputs& accepted, Bytes& message) {
+  make_room(journal, message);
+  for (CallRecord& call : journal.calls) {
+    const bool known = accepted.is_begin_of(call);
+    append_sized(message, [&] { append(Header{}, call, message, known); });
+    accepted.follow(std::move(call));
+  }
+  append_sized(message, [&] { append(journal.step, message); });
 }
 
 void end_journal(const Header& header, Bytes& message) {
@@ -244,6 +293,21 @@ std::optional<std::vector<StepJournal>> decode_journal(ByteView message) {
     }
   }
   if (!rest.empty() || !open.calls.empty() || journals.empty()) return std::nullopt;
+  return journals;
+}
+
+std::optional<std::vector<StepJournal>> decode_journal(const std::shared_ptr<Bytes>& message) {
+  auto journals = decode_journal(ByteView(*message));
+  if (!journals) return std::nullopt;
+  std::span<std::uint8_t> rest = std::span(*message).last(count_at(*message, 0));
+  for (StepJournal& journal : *journals) {
+    journal.received.message = message;
+    for (std::size_t event = 0; event <= journal.calls.size(); ++event) {
+      const std::size_t size = codec::read_word(rest.data());
+      journal.received.events.push_back(rest.subspan(kSizeBytes, size));
+      rest = rest.subspan(kSizeBytes + size);
+    }
+  }
   return journals;
 }
 

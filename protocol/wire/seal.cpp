@@ -12,8 +12,14 @@ namespace tandem::wire {
 namespace {
 
 constexpr std::size_t kChecksumAt = 8;
+constexpr std::size_t kRunAt = 12;
+constexpr std::size_t kSequenceAt = 20;
+constexpr std::size_t kMacroStepAt = 28;
+constexpr std::size_t kIterationAt = 36;
+constexpr std::size_t kKindAt = 40;
 constexpr std::size_t kAttemptAt = 44;
 constexpr std::size_t kSenderAt = 48;
+constexpr std::size_t kTimeAt = 52;
 
 // lcm-gen writes all numbers big endian.
 template <class Word>
@@ -112,14 +118,14 @@ void seal(std::span<std::uint8_t> head, std::int32_t attempt, std::uint32_t rest
 Header header_of(ByteView message) {
   Header header;
   header.checksum = read_word<std::uint32_t>(message, kChecksumAt);
-  header.run_id = read_word<std::uint64_t>(message, 12);
-  header.sequence = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 20));
-  header.macro_step = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 28));
-  header.iteration = static_cast<std::int32_t>(read_word<std::uint32_t>(message, 36));
-  header.kind = static_cast<Kind>(read_word<std::uint32_t>(message, 40));
+  header.run_id = read_word<std::uint64_t>(message, kRunAt);
+  header.sequence = static_cast<std::int64_t>(read_word<std::uint64_t>(message, kSequenceAt));
+  header.macro_step = static_cast<std::int64_t>(read_word<std::uint64_t>(message, kMacroStepAt));
+  header.iteration = static_cast<std::int32_t>(read_word<std::uint32_t>(message, kIterationAt));
+  header.kind = static_cast<Kind>(read_word<std::uint32_t>(message, kKindAt));
   header.attempt = static_cast<std::int32_t>(read_word<std::uint32_t>(message, kAttemptAt));
   header.sender = static_cast<Process>(read_word<std::uint32_t>(message, kSenderAt));
-  header.time_us = static_cast<std::int64_t>(read_word<std::uint64_t>(message, 52));
+  header.time_us = static_cast<std::int64_t>(read_word<std::uint64_t>(message, kTimeAt));
   return header;
 }
 
@@ -132,6 +138,18 @@ std::optional<Header> open_seal(ByteView message) {
 
 void set_checksum(std::span<std::uint8_t> message, std::uint32_t checksum) {
   write_word(message, kChecksumAt, checksum);
+}
+
+void seal_as(const Header& header, std::span<std::uint8_t> message) {
+  write_word(message, kRunAt, header.run_id);
+  write_word(message, kSequenceAt, static_cast<std::uint64_t>(header.sequence));
+  write_word(message, kMacroStepAt, static_cast<std::uint64_t>(header.macro_step));
+  write_word(message, kIterationAt, static_cast<std::uint32_t>(header.iteration));
+  write_word(message, kKindAt, static_cast<std::uint32_t>(header.kind));
+  write_word(message, kAttemptAt, static_cast<std::uint32_t>(header.attempt));
+  write_word(message, kSenderAt, static_cast<std::uint32_t>(header.sender));
+  write_word(message, kTimeAt, static_cast<std::uint64_t>(header.time_us));
+  write_word(message, kChecksumAt, checksum_of(message));
 }
 
 void patch_double(Bytes& message, std::size_t offset, double value) {

@@ -2,14 +2,35 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tandem::wire {
 
-using Bytes = std::vector<std::uint8_t>;
+/// Leaves bytes that a vector grows by as they are: messages are written right after their memory
+/// was made, and to fill it with zeros first would be one more pass over it.
+template <class T>
+struct Unfilled : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = Unfilled<U>;
+  };
+  template <class U, class... Given>
+  void construct(U* at, Given&&... given) {
+    if constexpr (sizeof...(Given) == 0) {
+      ::new (static_cast<void*>(at)) U;
+    } else {
+      std::construct_at(at, std::forward<Given>(given)...);
+    }
+  }
+};
+
+using Bytes = std::vector<std::uint8_t, Unfilled<std::uint8_t>>;
 using ByteView = std::span<const std::uint8_t>;
 
 /// What a message is. Numbers are part of the wire format: never reuse one.
@@ -86,6 +107,9 @@ void seal(std::span<std::uint8_t> head, std::int32_t attempt, std::uint32_t rest
 /// valid sender.
 [[nodiscard]] Header header_of(ByteView message);
 void set_checksum(std::span<std::uint8_t> message, std::uint32_t checksum);
+
+/// Writes all of `header` but its checksum into an encoded message, and then the checksum.
+void seal_as(const Header& header, std::span<std::uint8_t> message);
 
 /// Overwrites one double (big endian, as lcm-gen writes it) of a not yet sealed message.
 void patch_double(Bytes& message, std::size_t offset, double value);

@@ -68,6 +68,35 @@ TEST_F(WireLog, GivesBackWhatWasWritten) {
   EXPECT_EQ(log.finished()->summary_json, "{\"a\":1}");
 }
 
+// The recorder writes what the driver encoded: the same file but for the time stamps.
+TEST_F(WireLog, HoldsTheSameWhetherEncodedHereOrReceived) {
+  const auto payloads = [this] {
+    LogReader log(file_);
+    std::vector<Bytes> events;
+    while (auto event = log.next_raw()) {
+      event->header.time_us = 0;
+      seal_as(event->header, event->payload);
+      events.push_back(event->payload);
+    }
+    return events;
+  };
+  write(3);
+  const std::vector<Bytes> encoded = payloads();
+  {
+    LogWriter log(file_, 0xabcdef0123456789ULL, {"name: lug\n", "tandem 0.1.0\n"});
+    auto message = std::make_shared<Bytes>();
+    begin_journal(*message);
+    for (std::int64_t step = 1; step <= 3; ++step) append(journal(step), *message);
+    end_journal({.run_id = 5, .kind = Kind::Journal}, *message);
+    const auto received = decode_journal(message);
+    ASSERT_TRUE(received.has_value());
+    ASSERT_EQ(received->size(), 3U);
+    for (const StepJournal& step : *received) log.write(step);
+    log.write(Finished{3, "diverged", "{\"a\":1}"});
+  }
+  EXPECT_EQ(payloads(), encoded);
+}
+
 TEST_F(WireLog, IsReadableByLiblcm) {
   write(3);
   lcm_eventlog_t* log = lcm_eventlog_create(file_.c_str(), "r");
@@ -85,6 +114,53 @@ TEST_F(WireLog, IsReadableByLiblcm) {
   EXPECT_EQ(channels[3], "TANDEM_abcdef0123456789_orchestrator_step");
   EXPECT_EQ(channels[4], "TANDEM_abcdef0123456789_mbs_call");
   EXPECT_EQ(channels[10], "TANDEM_abcdef0123456789_orchestrator_finished");
+}
+
+// Calls that begin at the last accepted input of their side are logged without their begin, those
+// that do not, with it; a reader gets all of them whole. A log that has every begin reads the same.
+TEST_F(WireLog, GivesBackTheBeginsThatItLeavesOut) {
+  const MotionSet a = test::some_motions(2, 0.1);
+  const MotionSet b = test::some_motions(2, 0.2);
+  const MotionSet c = test::some_motions(2, 0.3);
+  CallRecord first;
+  first.side = SideName::Fem;
+  first.motions.end = a;
+  first.accepted = true;
+  CallRecord discarded = first;
+  discarded.kind = CallKind::Advance;
+  discarded.macro_step = 1;
+  discarded.motions = {a, c};
+  discarded.accepted = false;
+  CallRecord known = discarded;
+  known.motions = {a, b};
+  known.accepted = true;
+  CallRecord other = known;  // as after a change of the prediction: begins elsewhere
+  other.macro_step = 2;
+  other.motions = {c, a};
+  StepJournal start;
+  start.calls = {first};
+  StepJournal one;
+  one.step.macro_step = 1;
+  one.calls = {discarded, known};
+  StepJournal two;
+  two.step.macro_step = 2;
+  two.calls = {other};
+  {
+    LogWriter log(file_, 1, {"", ""});
+    for (const StepJournal& journal : {start, one, two}) log.write(journal);
+  }
+  std::vector<std::size_t> begins;
+  LogReader raw(file_);
+  while (const auto event = raw.next_raw()) {
+    if (const auto call = decode_call(event->payload)) begins.push_back(call->motions.begin.size());
+  }
+  EXPECT_EQ(begins, (std::vector<std::size_t>{0, 0, 0, 2}));
+  LogReader log(file_);
+  for (const StepJournal& journal : {start, one, two}) {
+    const auto back = log.next_step();
+    ASSERT_TRUE(back.has_value());
+    EXPECT_EQ(encode({}, *back), encode({}, journal));
+  }
 }
 
 // What a killed run leaves: everything up to the last whole event is there, at every cut.
