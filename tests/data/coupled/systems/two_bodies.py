@@ -11,7 +11,7 @@ from uncut_system import WORLD, Flexible, Hinge, Port, Rigid, Spring, System, pr
 # two_bodies.yaml, number by number.
 SPAR, STRUT = 0, 1
 FLEXIBLE = [Flexible("both_ends.inp", young=1e5, poisson=0.3, density=1000.0, alpha=2.0, beta=2e-4),
-            Flexible("two_bodies.inp", young=3e5, poisson=0.2, density=600.0, alpha=0.0, beta=4e-4)]
+            Flexible("two_bodies.inp", young=3e5, poisson=0.2, density=600.0, alpha=1.0, beta=2e-5)]
 FOOT, HEEL, HUB = 0, 1, 2
 RIGID = [Rigid(2.0, [0.01, 0.02, 0.01], [-0.06, 0.05, 0.05]),
          Rigid(3.0, [0.02, 0.01, 0.02], [-0.15, 0.25, 0.05]),
