@@ -5,7 +5,11 @@ target_link_libraries(coupled_support PUBLIC tandem_options orchestrator PRIVATE
 target_compile_definitions(coupled_support PRIVATE TANDEM_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 
 tandem_test(coupled_unit
-  SOURCES unit/advise/candidates.cpp unit/advise/choice.cpp unit/orchestrator/body_rates.cpp unit/orchestrator/check_warnings.cpp unit/orchestrator/chosen_settings.cpp unit/orchestrator/compare_price.cpp unit/coupled/free_pair.cpp unit/orchestrator/svg_plot.cpp unit/orchestrator/system_graph.cpp unit/advise/interface_ratios.cpp unit/fem/newmark_bound.cpp
+  SOURCES unit/advise/candidates.cpp unit/advise/choice.cpp unit/orchestrator/body_rates.cpp
+    unit/orchestrator/check_warnings.cpp unit/orchestrator/chosen_settings.cpp
+    unit/orchestrator/compare_price.cpp unit/coupled/free_pair.cpp unit/orchestrator/svg_plot.cpp
+    unit/orchestrator/system_graph.cpp unit/advise/interface_ratios.cpp unit/fem/newmark_bound.cpp
+    unit/coupled/free_chain.cpp
     unit/orchestrator/run_folder.cpp unit/orchestrator/verdict.cpp
   LIBS coupled_support nlohmann_json::nlohmann_json LABELS unit)
 tandem_test(coupled_convergence
@@ -17,9 +21,9 @@ tandem_test(coupled_reference
     reference/coupled_vibration.cpp
   LIBS coupled_support LABELS reference)
 tandem_test(coupled_equivalence
-  SOURCES equivalence/coupled_multi_rate.cpp
-    equivalence/coupled_schemes.cpp
-  LIBS coupled_support LABELS equivalence)
+  SOURCES equivalence/coupled_bodies.cpp equivalence/coupled_multi_rate.cpp
+    equivalence/coupled_schemes.cpp equivalence/coupled_symmetry.cpp
+  LIBS coupled_support nlohmann_json::nlohmann_json LABELS equivalence)
 
 # Measures what nodal coupling costs over the number of nodes: nodal_cost SVG_FILE.
 add_executable(nodal_cost bench/nodal_cost.cpp)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "tests/support/chain_of_links.h"
 #include "tests/support/tandem_process.h"
 
 // Several flexible bodies, each in a process of its own: the bits of one process on every
@@ -11,20 +12,6 @@
 // whoever is lost is named.
 namespace tandem::test {
 namespace {
-
-/// The scenario of examples/chain_of_links with so many links, in a folder of the test.
-std::filesystem::path chain_of(int links, const TemporaryFolder& folder) {
-  const Ended made =
-      run_command({"/bin/sh", kExamples + "chain_of_links/make.sh", std::to_string(links)});
-  EXPECT_EQ(made.code, 0) << made.output;
-  std::string text = made.output;
-  const std::string relative = "../slider_crank/";
-  for (auto at = text.find(relative); at != std::string::npos; at = text.find(relative, at + 1)) {
-    text.replace(at, relative.size(), kExamples + "slider_crank/");
-  }
-  write_file(folder / "chain.yaml", text);
-  return folder / "chain.yaml";
-}
 
 struct Chain {
   explicit Chain(int links) : scenario(chain_of(links, folder)) {}

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <array>
 
-#include "fem_process/sides/make_side.h"
+#include "fem_process/sides/make_model.h"
 #include "mbs_process/make_side.h"
 #include "orchestrator/run/step_tables.h"
 #include "protocol/contract/error.h"
+#include "protocol/driver/composite_fem.h"
 #include "protocol/schemes/monolithic.h"
 #include "protocol/schemes/transmission_line.h"
 
@@ -52,6 +53,30 @@ std::array<Eigen::VectorXd, 6> quantities(const Sample& sample, std::size_t port
   return {m.p_WP, m.q_WP.coeffs(), m.v_WP, m.w_WP, w.f_P_W, w.t_P_W};
 }
 
+/// Of one quantity of a port in two runs, largest over all steps: its norm in the first, and the
+/// difference.
+struct Gap {
+  double norm = 0.0;
+  double difference = 0.0;
+};
+using QuantityGaps = std::array<Gap, 6>;
+
+QuantityGaps gaps_of(const std::vector<Sample>& a, const std::vector<Sample>& b, std::size_t port) {
+  QuantityGaps gaps{};
+  for (std::size_t n = 0; n < a.size(); ++n) {
+    const auto qa = quantities(a[n], port);
+    const auto qb = quantities(b[n], port);
+    for (std::size_t k = 0; k < gaps.size(); ++k) {
+      // Index 1 is a quaternion: q and −q are one rotation.
+      const double distance = k == 1 ? std::min((qa[k] - qb[k]).norm(), (qa[k] + qb[k]).norm())
+                                     : (qa[k] - qb[k]).norm();
+      gaps[k].norm = std::max(gaps[k].norm, qa[k].norm());
+      gaps[k].difference = std::max(gaps[k].difference, distance);
+    }
+  }
+  return gaps;
+}
+
 /// What tests compare with each other is iterated to round-off unless they say otherwise.
 CoupledPair::Overrides exact(const CoupledPair::Overrides& overrides) {
   CoupledPair::Overrides all{{"run.accuracy", "1e-10"}};
@@ -65,9 +90,16 @@ CoupledPair::CoupledPair(const std::string& scenario, const Overrides& overrides
     : model_(orchestrator::load_model(
           std::filesystem::path(TANDEM_SOURCE_DIR) / "examples" / scenario, exact(overrides))),
       mbs_(mbs::make_side(model_.scenario.root, {})) {
-  auto flexible = fem::make_side(model_.scenario.root, {});
-  flexible_ = flexible.get();
-  fem_ = prepared_for(model_.coupling, std::move(flexible));
+  std::vector<FemPart> parts;
+  for (const scenario::FlexibleBody& body : model_.bodies) {
+    auto side = fem::make_model(body.root, {});
+    // Chains have no mesh.
+    if (const auto* meshed = dynamic_cast<const fem::FlexibleSide*>(side.get())) {
+      meshed_.push_back(meshed);
+    }
+    parts.push_back({body.name, prepared_for(model_.coupling, std::move(side)), body.ports});
+  }
+  fem_ = composed(std::move(parts));
 }
 
 RunReport CoupledPair::run(orchestrator::Mode mode, const Observer& observer) {
@@ -87,8 +119,10 @@ Eigen::Vector3d CoupledPair::linear_momentum() const {
   for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
     sum += mbs_->params().bodies[i].mass_kg * mbs_->state().bodies[i].v_WB;
   }
-  const Eigen::VectorXd momenta = nodal_momenta(fem());
-  for (Eigen::Index row = 0; row < momenta.size(); row += 3) sum += momenta.segment<3>(row);
+  for (const fem::FlexibleSide* body : meshed_) {
+    const Eigen::VectorXd momenta = nodal_momenta(*body);
+    for (Eigen::Index row = 0; row < momenta.size(); row += 3) sum += momenta.segment<3>(row);
+  }
   return sum;
 }
 
@@ -101,9 +135,12 @@ Eigen::Vector3d CoupledPair::angular_momentum() const {
     sum += params.mass_kg * body.p_WB.cross(body.v_WB) +
            R_WB * params.inertia_B() * R_WB.transpose() * body.w_WB;
   }
-  const Eigen::VectorXd momenta = nodal_momenta(fem());
-  for (Eigen::Index row = 0; row < momenta.size(); row += 3) {
-    sum += fem().nodal_state().x.segment<3>(row).cross(momenta.segment<3>(row));
+  for (const fem::FlexibleSide* body : meshed_) {
+    const fem::State state = body->nodal_state();
+    const Eigen::VectorXd momenta = nodal_momenta(*body);
+    for (Eigen::Index row = 0; row < momenta.size(); row += 3) {
+      sum += state.x.segment<3>(row).cross(momenta.segment<3>(row));
+    }
   }
   return sum;
 }
@@ -111,26 +148,22 @@ Eigen::Vector3d CoupledPair::angular_momentum() const {
 std::string text_of(double value) { return fmt::format("{}", value); }
 
 RelativeDifference largest_relative_difference(const std::vector<Sample>& a,
-                                               const std::vector<Sample>& b) {
+                                               const std::vector<Sample>& b, Scale scale) {
   require(a.size() == b.size() && !a.empty(), "two runs of different length");
-  RelativeDifference largest;
+  std::vector<QuantityGaps> gaps;
+  QuantityGaps any{};
   for (std::size_t port = 0; port < a.front().motions.size(); ++port) {
-    std::array<double, 6> norm{};
-    std::array<double, 6> difference{};
-    for (std::size_t n = 0; n < a.size(); ++n) {
-      const auto qa = quantities(a[n], port);
-      const auto qb = quantities(b[n], port);
-      for (std::size_t k = 0; k < norm.size(); ++k) {
-        // Index 1 is a quaternion: q and −q are one rotation.
-        const double distance = k == 1 ? std::min((qa[k] - qb[k]).norm(), (qa[k] + qb[k]).norm())
-                                       : (qa[k] - qb[k]).norm();
-        norm[k] = std::max(norm[k], qa[k].norm());
-        difference[k] = std::max(difference[k], distance);
-      }
+    gaps.push_back(gaps_of(a, b, port));
+    for (std::size_t k = 0; k < any.size(); ++k) {
+      any[k].norm = std::max(any[k].norm, gaps.back()[k].norm);
     }
-    for (std::size_t k = 0; k < norm.size(); ++k) {
+  }
+  RelativeDifference largest;
+  for (const QuantityGaps& own : gaps) {
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      const double norm = scale == Scale::AnyPort ? any[k].norm : own[k].norm;
       double& kind = k < 4 ? largest.motions : largest.wrenches;
-      if (norm[k] > 0.0) kind = std::max(kind, difference[k] / norm[k]);
+      if (norm > 0.0) kind = std::max(kind, own[k].difference / norm);
     }
   }
   return largest;

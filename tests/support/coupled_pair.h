@@ -24,7 +24,8 @@ struct Sample {
   double residual_N = 0.0;
 };
 
-/// Both sides of an example as objects of this process, and their coupled run.
+/// Both sides of an example as objects of this process, and their coupled run. The flexible side
+/// may be several bodies.
 class CoupledPair {
  public:
   using Overrides = std::vector<scenario::Override>;
@@ -39,7 +40,10 @@ class CoupledPair {
 
   [[nodiscard]] const orchestrator::Model& model() const { return model_; }
   [[nodiscard]] const mbs::RigidWorld& mbs() const { return *mbs_; }
-  [[nodiscard]] const fem::FlexibleSide& fem() const { return *flexible_; }
+  /// The first flexible body on a mesh.
+  [[nodiscard]] const fem::FlexibleSide& fem() const { return *meshed_.at(0); }
+  /// Of all flexible bodies.
+  [[nodiscard]] const std::vector<PortInfo>& ports() const { return fem_->info().ports; }
 
   /// Momentum of the rigid bodies and of all nodes (kg m/s), about the origin of W (kg m²/s).
   [[nodiscard]] Eigen::Vector3d linear_momentum() const;
@@ -48,20 +52,24 @@ class CoupledPair {
  private:
   orchestrator::Model model_;
   std::unique_ptr<mbs::RigidWorld> mbs_;
-  std::unique_ptr<FemSide> fem_;                 ///< as the scheme needs it
-  const fem::FlexibleSide* flexible_ = nullptr;  ///< within fem_
+  std::unique_ptr<FemSide> fem_;                  ///< as the scheme needs it
+  std::vector<const fem::FlexibleSide*> meshed_;  ///< within fem_, in the order of the scenario
 };
 
 /// A number as the value of an override, with all its digits.
 [[nodiscard]] std::string text_of(double value);
 
-/// Largest difference of the port quantities of two runs over all steps, each relative to the
-/// largest norm of that quantity of that port in the first run.
+/// What a difference is relative to: the largest norm of that quantity in the first run, of that
+/// port, or of any port, where some hardly move.
+enum class Scale { OwnPort, AnyPort };
+
+/// Largest relative difference of the port quantities of two runs over all steps.
 struct RelativeDifference {
   double motions = 0.0;   ///< of p, q, v, w
   double wrenches = 0.0;  ///< of f, t
 };
 [[nodiscard]] RelativeDifference largest_relative_difference(const std::vector<Sample>& a,
-                                                             const std::vector<Sample>& b);
+                                                             const std::vector<Sample>& b,
+                                                             Scale scale = Scale::OwnPort);
 
 }  // namespace tandem::coupled_test
