@@ -14,6 +14,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_report(app);
   add_control(app);
   add_log(app);
+  add_trace(app);
   add_check(app);
   add_keys(app);
 }

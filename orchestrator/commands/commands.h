@@ -19,6 +19,7 @@ void add_report(CLI::App& app);
 void add_bench(CLI::App& app);
 void add_control(CLI::App& app);
 void add_log(CLI::App& app);
+void add_trace(CLI::App& app);
 void add_check(CLI::App& app);
 void add_keys(CLI::App& app);
 

@@ -31,6 +31,24 @@ void for_each(Parts& parts, const Call& call) {
   }
 }
 
+/// What `call`, the end of a call to the part, gives; its times are booked.
+template <class Call>
+auto timed(const FemPart& part, std::vector<wire::PartTimes>& times, const Call& call) {
+  const double begin_s = now_s();
+  auto result = call();
+  if (const auto* own = dynamic_cast<const wire::TimedCalls*>(part.side.get())) {
+    own->append_times(times);
+  } else {
+    const double end_s = now_s();
+    times.push_back({.sent_s = begin_s,
+                     .awaited_s = begin_s,
+                     .arrived_s = end_s,
+                     .side_us = 0.0,
+                     .compute_s = end_s - begin_s});
+  }
+  return result;
+}
+
 SubsystemInfo joined_info(const std::vector<FemPart>& parts) {
   SubsystemInfo info{.name = "fem", .ports = {}, .micro_step = {}, .can_linearize = true};
   std::size_t ports = 0;
@@ -58,8 +76,10 @@ CompositeFem::CompositeFem(std::vector<FemPart> parts)
 
 WrenchSet CompositeFem::initialize(const MotionSet& motions) {
   WrenchSet wrenches(info_.ports.size());
+  times_.clear();
   for_each(parts_, [&](FemPart& part) {
-    const WrenchSet own = part.side->initialize(of_ports(motions, part.ports));
+    const WrenchSet own =
+        timed(part, times_, [&] { return part.side->initialize(of_ports(motions, part.ports)); });
     for (std::size_t i = 0; i < own.size(); ++i) wrenches[part.ports[i]] = own[i];
   });
   return wrenches;
@@ -82,6 +102,7 @@ void CompositeFem::begin_advance(const StepRequest<MotionSet>& request) {
 
 StepResult<WrenchSet> CompositeFem::finish_advance() {
   StepResult<WrenchSet> all;
+  times_.clear();
   all.outcome = Outcome::Done;
   all.message.clear();
   all.output.resize(info_.ports.size());
@@ -90,10 +111,8 @@ StepResult<WrenchSet> CompositeFem::finish_advance() {
     all.jacobian = InterfaceJacobian::Zero(kWrench * ports, kMotion * ports);
   }
   for_each(parts_, [&](FemPart& part) {
-    const double begin_s = now_s();
-    StepResult<WrenchSet> own = part.side->finish_advance();
-    // A side of this process books no time of its own.
-    part.compute_s += own.cost.compute_s > 0.0 ? own.cost.compute_s : now_s() - begin_s;
+    StepResult<WrenchSet> own = timed(part, times_, [&] { return part.side->finish_advance(); });
+    part.compute_s += times_.back().compute_s;
     part.solver_iterations += own.solver_iterations;
     gather(part, own, all);
   });
@@ -150,7 +169,9 @@ CommandResult CompositeFem::command(const std::string& text) {
       names.push_back(part.name);
       continue;
     }
-    CommandResult result = part.side->command(text.substr(space + 1));
+    times_.clear();
+    CommandResult result =
+        timed(part, times_, [&] { return part.side->command(text.substr(space + 1)); });
     result.message = named(part, result.message);
     return result;
   }
@@ -178,6 +199,10 @@ Observation CompositeFem::observe() {
   });
   all.state_hash = hash.value();
   return all;
+}
+
+void CompositeFem::append_times(std::vector<wire::PartTimes>& to) const {
+  to.insert(to.end(), times_.begin(), times_.end());
 }
 
 std::unique_ptr<FemSide> composed(std::vector<FemPart> parts) {

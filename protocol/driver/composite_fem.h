@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocol/contract/subsystem.h"
+#include "protocol/wire/call_times.h"
 
 namespace tandem {
 
@@ -25,7 +26,7 @@ struct FemPart {
 ///   Λ(m) = [Λ_1(m_1) | Λ_2(m_2) | …],   ∂Λ/∂m block diagonal.
 /// A macro step that one body fails is rolled back by all. Energies are sums; the state hash is
 /// that of the parts' hashes. A command begins with the name of its body: "conrod fix HUB".
-class CompositeFem final : public FemSide {
+class CompositeFem final : public FemSide, public wire::TimedCalls {
  public:
   /// Every port of 0 … n−1 belongs to one part.
   explicit CompositeFem(std::vector<FemPart> parts);
@@ -40,6 +41,9 @@ class CompositeFem final : public FemSide {
   CommandResult command(const std::string& text) override;
   Observation observe() override;
 
+  /// One entry a part, in their order; of a command that of the part alone.
+  void append_times(std::vector<wire::PartTimes>& to) const override;
+
   [[nodiscard]] const std::vector<FemPart>& parts() const { return parts_; }
 
  private:
@@ -47,7 +51,8 @@ class CompositeFem final : public FemSide {
 
   std::vector<FemPart> parts_;
   SubsystemInfo info_;
-  bool linearizes_ = false;  ///< the advance that has begun
+  bool linearizes_ = false;             ///< the advance that has begun
+  std::vector<wire::PartTimes> times_;  ///< of the last call
 };
 
 /// The parts as one side: a single one as it is.

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "protocol/contract/cost.h"
 #include "protocol/wire/journal.h"
 
 namespace tandem::wire {
@@ -39,39 +40,46 @@ class CallJournal {
 template <class In, class Out>
 class JournaledSide final : public Subsystem<In, Out> {
  public:
-  JournaledSide(Subsystem<In, Out>& inner, CallJournal& journal)
-      : inner_(inner), journal_(journal) {}
+  /// `timed` tells the times of the calls that `inner` makes; null = it computes in this process.
+  JournaledSide(Subsystem<In, Out>& inner, CallJournal& journal, const TimedCalls* timed = nullptr)
+      : inner_(inner), journal_(journal), timed_(timed) {}
 
   [[nodiscard]] const SubsystemInfo& info() const override { return inner_.info(); }
 
   Out initialize(const In& input) override {
+    const double begin_s = now_s();
     Out output = inner_.initialize(input);
-    CallRecord& call = append(CallKind::Initialize);
+    CallRecord& call = append(CallKind::Initialize, begin_s);
     inputs(call).end = input;
     outputs(call).end = output;
     return output;
   }
 
   StepResult<Out> advance(const StepRequest<In>& request) override {
+    const double begin_s = now_s();
     StepResult<Out> result = inner_.advance(request);
-    write_down(request, result);
+    write_down(request, result, begin_s);
     return result;
   }
 
   void begin_advance(const StepRequest<In>& request) override {
+    begun_s_ = now_s();
     begun_ = request;
     inner_.begin_advance(request);
   }
 
   StepResult<Out> finish_advance() override {
+    // A side of this process has not computed yet.
+    const double begin_s = timed_ == nullptr ? now_s() : begun_s_;
     StepResult<Out> result = inner_.finish_advance();
-    write_down(begun_, result);
+    write_down(begun_, result, begin_s);
     return result;
   }
 
   CommandResult command(const std::string& text) override {
+    const double begin_s = now_s();
     CommandResult result = inner_.command(text);
-    CallRecord& call = append(CallKind::Command);
+    CallRecord& call = append(CallKind::Command, begin_s);
     ++call.macro_step;  // it acts on the step that the next checkpoint opens
     call.iteration = 0;
     call.command = text;
@@ -113,9 +121,9 @@ class JournaledSide final : public Subsystem<In, Out> {
     }
   }
 
-  void write_down(const StepRequest<In>& request, const StepResult<Out>& result) {
+  void write_down(const StepRequest<In>& request, const StepResult<Out>& result, double begin_s) {
     ++iteration_;
-    CallRecord& call = append(CallKind::Advance);
+    CallRecord& call = append(CallKind::Advance, begin_s);
     call.linearize = request.linearize;
     call.step = request.step;
     inputs(call) = request.input;
@@ -125,8 +133,12 @@ class JournaledSide final : public Subsystem<In, Out> {
     call.solver_iterations = result.solver_iterations;
   }
 
-  CallRecord& append(CallKind kind) {
+  CallRecord& append(CallKind kind, double begin_s) {
+    const double end_s = now_s();
     CallRecord& call = journal_.append();
+    call.times.begin_s = begin_s;
+    call.times.end_s = end_s;
+    if (timed_ != nullptr) timed_->append_times(call.times.parts);
     call.side = kIsMbs ? SideName::Mbs : SideName::Fem;
     call.kind = kind;
     call.checkpoint_first = std::exchange(checkpoint_first_, false);
@@ -138,7 +150,9 @@ class JournaledSide final : public Subsystem<In, Out> {
 
   Subsystem<In, Out>& inner_;
   CallJournal& journal_;
+  const TimedCalls* timed_;
   StepRequest<In> begun_;
+  double begun_s_ = 0.0;
   bool checkpoint_first_ = false;
   bool rollback_first_ = false;
   std::int64_t macro_step_ = 0;

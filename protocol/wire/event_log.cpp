@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <iterator>
 #include <string_view>
@@ -20,12 +19,6 @@ constexpr std::uint32_t kMagic = 0xEDA1DA01;
 constexpr std::size_t kEventHeader = 28;  // magic, number, time stamp, two lengths; big endian
 constexpr std::int64_t kMaxChannel = 63;
 constexpr std::int64_t kMaxPayload = 256 << 20;
-
-std::int64_t wall_clock_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::uint64_t big_endian(const std::uint8_t* bytes, int count) {
   std::uint64_t value = 0;

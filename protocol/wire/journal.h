@@ -10,6 +10,7 @@
 
 #include "protocol/contract/ledger.h"
 #include "protocol/contract/subsystem.h"
+#include "protocol/wire/call_times.h"
 #include "protocol/wire/seal.h"
 
 namespace tandem::wire {
@@ -43,6 +44,7 @@ struct CallRecord {
   std::string message;  ///< empty when Done; of a command: what was done, or why not
   std::int32_t solver_iterations = 0;
   std::string command;  ///< Command: its text
+  CallTimes times;      ///< not of a log of protocol version 7
 };
 
 /// Why the values of a call do not fit a run of so many ports; empty = they do. The begin of a

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <tandem_wire/call_of_7_t.hpp>
 #include <tandem_wire/call_t.hpp>
 #include <tandem_wire/finished_t.hpp>
 #include <tandem_wire/journal_t.hpp>
@@ -23,6 +24,38 @@ namespace {
 
 constexpr std::size_t kSizeBytes = 4;
 
+// A call's times as numbers: two of the call, and so many of each part.
+constexpr std::size_t kCallNumbers = 2, kPartNumbers = 7;
+
+std::vector<double> pack(const CallTimes& times) {
+  if (times.end_s == 0.0) return {};
+  std::vector<double> numbers{times.begin_s, times.end_s};
+  numbers.reserve(kCallNumbers + kPartNumbers * times.parts.size());
+  for (const PartTimes& part : times.parts) {
+    numbers.insert(numbers.end(), {part.sent_s, part.awaited_s, part.arrived_s, part.side_us,
+                                   part.compute_s, part.decode_s, part.encode_s});
+  }
+  return numbers;
+}
+
+CallTimes unpack_times(std::span<const double> numbers) {
+  CallTimes times;
+  if (numbers.size() < kCallNumbers) return times;
+  times.begin_s = numbers[0];
+  times.end_s = numbers[1];
+  for (auto rest = numbers.subspan(kCallNumbers); rest.size() >= kPartNumbers;
+       rest = rest.subspan(kPartNumbers)) {
+    times.parts.push_back({.sent_s = rest[0],
+                           .awaited_s = rest[1],
+                           .arrived_s = rest[2],
+                           .side_us = rest[3],
+                           .compute_s = rest[4],
+                           .decode_s = rest[5],
+                           .encode_s = rest[6]});
+  }
+  return times;
+}
+
 void append(const Header& header, const CallRecord& call, Bytes& to, bool without_begin = false) {
   tandem_wire::call_t fixed{};
   fixed.header = pack(header);
@@ -42,20 +75,23 @@ void append(const Header& header, const CallRecord& call, Bytes& to, bool withou
   std::span<const Wrench> wrenches_begin = call.wrenches.begin;
   if (without_begin && from_mbs) wrenches_begin = {};
   if (without_begin && !from_mbs) motions_begin = {};
+  const std::vector<double> times = pack(call.times);
   codec::begin(fixed,
                {{motions_begin.size(), kMotionBytes},
                 {call.motions.end.size(), kMotionBytes},
                 {wrenches_begin.size(), kWrenchBytes},
                 {call.wrenches.end.size(), kWrenchBytes},
                 {call.message.size(), 1},
-                {call.command.size(), 1}},
+                {call.command.size(), 1},
+                {times.size(), 8}},
                to, to.size())
       .add(motions_begin)
       .add(call.motions.end)
       .add(wrenches_begin)
       .add(call.wrenches.end)
       .add(std::span<const char>(call.message))
-      .add(std::span<const char>(call.command));
+      .add(std::span<const char>(call.command))
+      .add(std::span<const double>(times));
 }
 
 }  // namespace
@@ -67,9 +103,10 @@ void encode(const Header& header, const CallRecord& call, Bytes& message, bool w
 
 namespace {
 
-std::optional<tandem_wire::call_t> fixed_part_of_call(ByteView message) {
-  auto fixed = codec::fixed_part<tandem_wire::call_t>(
-      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1, 1});
+template <class Call>
+std::optional<Call> fixed_part_of_call(ByteView message,
+                                       std::initializer_list<std::size_t> element_bytes) {
+  auto fixed = codec::fixed_part<Call>(message, element_bytes);
   if (!fixed || fixed->side < 0 || fixed->side > 1 || fixed->call < 0 ||
       fixed->call > static_cast<int>(CallKind::Command) || fixed->outcome < 0 ||
       fixed->outcome > static_cast<int>(Outcome::Failed)) {
@@ -78,37 +115,60 @@ std::optional<tandem_wire::call_t> fixed_part_of_call(ByteView message) {
   return fixed;
 }
 
-}  // namespace
-
-std::optional<SideName> side_of_call(ByteView message) {
-  const auto fixed = fixed_part_of_call(message);
-  if (!fixed) return std::nullopt;
-  return static_cast<SideName>(fixed->side);
+std::optional<tandem_wire::call_t> head_of_call(ByteView message) {
+  return fixed_part_of_call<tandem_wire::call_t>(
+      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1, 1, 8});
+}
+std::optional<tandem_wire::call_of_7_t> head_of_call_of_7(ByteView message) {
+  return fixed_part_of_call<tandem_wire::call_of_7_t>(
+      message, {kMotionBytes, kMotionBytes, kWrenchBytes, kWrenchBytes, 1, 1});
 }
 
-std::optional<CallRecord> decode_call(ByteView message) {
-  const auto fixed = fixed_part_of_call(message);
-  if (!fixed) return std::nullopt;
+/// All of a call but its times; `values` goes on to what stands behind the last array.
+template <class Call>
+CallRecord read_call(ByteView message, const Call& fixed, ArrayReader& values) {
   CallRecord call;
-  call.side = static_cast<SideName>(fixed->side);
-  call.kind = static_cast<CallKind>(fixed->call);
-  call.checkpoint_first = fixed->checkpoint_first != 0;
-  call.rollback_first = fixed->rollback_first != 0;
-  call.linearize = fixed->linearize != 0;
-  call.accepted = fixed->accepted != 0;
-  call.macro_step = fixed->header.macro_step;
-  call.iteration = fixed->header.iteration;
-  call.step = SimTime(fixed->step_ns);
-  call.outcome = static_cast<Outcome>(fixed->outcome);
-  call.solver_iterations = fixed->solver_iterations;
-  arrays_of(message, *fixed)
-      .take(count_at(message, 0), call.motions.begin)
+  call.side = static_cast<SideName>(fixed.side);
+  call.kind = static_cast<CallKind>(fixed.call);
+  call.checkpoint_first = fixed.checkpoint_first != 0;
+  call.rollback_first = fixed.rollback_first != 0;
+  call.linearize = fixed.linearize != 0;
+  call.accepted = fixed.accepted != 0;
+  call.macro_step = fixed.header.macro_step;
+  call.iteration = fixed.header.iteration;
+  call.step = SimTime(fixed.step_ns);
+  call.outcome = static_cast<Outcome>(fixed.outcome);
+  call.solver_iterations = fixed.solver_iterations;
+  values.take(count_at(message, 0), call.motions.begin)
       .take(count_at(message, 1), call.motions.end)
       .take(count_at(message, 2), call.wrenches.begin)
       .take(count_at(message, 3), call.wrenches.end)
       .take(count_at(message, 4), call.message)
       .take(count_at(message, 5), call.command);
   return call;
+}
+
+}  // namespace
+
+std::optional<SideName> side_of_call(ByteView message) {
+  if (const auto fixed = head_of_call(message)) return static_cast<SideName>(fixed->side);
+  if (const auto fixed = head_of_call_of_7(message)) return static_cast<SideName>(fixed->side);
+  return std::nullopt;
+}
+
+std::optional<CallRecord> decode_call(ByteView message) {
+  if (const auto fixed = head_of_call(message)) {
+    ArrayReader values = arrays_of(message, *fixed);
+    CallRecord call = read_call(message, *fixed, values);
+    std::vector<double> times(count_at(message, 6));
+    values.take(std::span<double>(times));
+    call.times = unpack_times(times);
+    return call;
+  }
+  const auto fixed = head_of_call_of_7(message);
+  if (!fixed) return std::nullopt;
+  ArrayReader values = arrays_of(message, *fixed);
+  return read_call(message, *fixed, values);
 }
 
 namespace {
@@ -231,7 +291,8 @@ void make_room(const StepJournal& journal, Bytes& message) {
   for (const CallRecord& call : journal.calls) {
     constexpr std::size_t kFixed = 256;  // more than the fixed part and the size of a call
     size += kFixed + (call.motions.begin.size() + call.motions.end.size()) * kMotionBytes +
-            (call.wrenches.begin.size() + call.wrenches.end.size()) * kWrenchBytes;
+            (call.wrenches.begin.size() + call.wrenches.end.size()) * kWrenchBytes +
+            (kCallNumbers + kPartNumbers * call.times.parts.size()) * 8;
   }
   if (size > message.capacity()) message.reserve(std::max(size, 2 * message.capacity()));
 }

@@ -113,7 +113,7 @@ void RemoteLink::begin(const RequestView& request) {
 }
 
 Reply& RemoteLink::finish(CallCost& cost) {
-  const double finish_s = now_s();
+  finish_s_ = now_s();
   await_reply();
   if (other_schema_) {
     throw Error(ErrorKind::Partner,
@@ -123,7 +123,7 @@ Reply& RemoteLink::finish(CallCost& cost) {
                             bus_.program_of(options_.side)));
   }
   open_cost_.decode_s = decode_s_;
-  book(std::max(0.0, arrival_s_ - finish_s));
+  book(std::max(0.0, arrival_s_ - finish_s_));
   cost += open_cost_;
   total_ += open_cost_;
   if (reply_.error) {
@@ -133,6 +133,16 @@ Reply& RemoteLink::finish(CallCost& cost) {
   }
   check_reply();
   return reply_;
+}
+
+PartTimes RemoteLink::times() const {
+  return {.sent_s = begin_s_,
+          .awaited_s = finish_s_,
+          .arrived_s = arrival_s_,
+          .side_us = static_cast<double>(reply_.header.time_us),
+          .compute_s = reply_.cost.compute_s,
+          .decode_s = reply_.cost.decode_s,
+          .encode_s = reply_.cost.encode_s};
 }
 
 // A good checksum says that the message is what its sender wrote, not that it is the answer.

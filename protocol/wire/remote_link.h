@@ -4,6 +4,7 @@
 
 #include "protocol/wire/arrays.h"
 #include "protocol/wire/bus.h"
+#include "protocol/wire/call_times.h"
 #include "protocol/wire/handshake.h"
 #include "protocol/wire/liveness.h"
 #include "protocol/wire/messages.h"
@@ -49,6 +50,9 @@ class RemoteLink {
 
   [[nodiscard]] const CallCost& total() const { return total_; }
 
+  /// Of the last call.
+  [[nodiscard]] PartTimes times() const;
+
  private:
   void send(Bytes& message, std::int32_t attempt, CallCost& cost);
   void await_reply();
@@ -75,6 +79,7 @@ class RemoteLink {
   Reply reply_;                  ///< of sequence_, once it is here
   std::size_t reply_bytes_ = 0;  ///< 0 while the call is open
   bool other_schema_ = false;    ///< the reply cannot be decoded
+  double finish_s_ = 0.0;        ///< since when finish() has waited for it
   double arrival_s_ = 0.0;
   double decode_s_ = 0.0;               ///< checking and decoding it
   std::int64_t stale_ = 0;              ///< replies that came again, not booked yet

@@ -2,6 +2,7 @@
 
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "protocol/wire/remote_link.h"
 
@@ -11,7 +12,7 @@ namespace tandem::wire {
 /// next request, rollback before checkpoint; call observe() last, so that the last checkpoint()
 /// gets across.
 template <class In, class Out>
-class RemoteSide final : public Subsystem<In, Out> {
+class RemoteSide final : public Subsystem<In, Out>, public TimedCalls {
  public:
   /// Connects; see RemoteLink::connect().
   RemoteSide(Bus& bus, LivenessMonitor& monitor, const RemoteOptions& options)
@@ -83,6 +84,8 @@ class RemoteSide final : public Subsystem<In, Out> {
     CallCost cost;
     return link_.call(view(head, {}, {}), cost).observation;
   }
+
+  void append_times(std::vector<PartTimes>& to) const override { to.push_back(link_.times()); }
 
   /// Ends the serving process. Call it when the run is done.
   void close() { link_.bye(); }

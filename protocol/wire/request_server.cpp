@@ -107,6 +107,7 @@ void RequestServer::execute(ByteView message) {
     failure_ = std::current_exception();
   }
   reply.cost.compute_s = now_s() - compute_s;
+  reply.header.time_us = wall_clock_us();
   last_ = header.sequence;
   publish_reply(reply);
   done_ = request_.call == RequestKind::Bye;

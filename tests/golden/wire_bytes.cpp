@@ -40,7 +40,7 @@ Bytes advance_request() {
 }
 
 TEST(WireBytes, RequestIsBigEndianInTheOrderOfItsFields) {
-  ASSERT_EQ(kProtocolVersion, 7);
+  ASSERT_EQ(kProtocolVersion, 8);
   const Bytes bytes = advance_request();
   ASSERT_EQ(bytes.size(), 8U + 52U + 5U * 4U + 4U + 3U + 8U + 48U);
   EXPECT_EQ(hex(bytes, 0, 8), "df504e2d8986e8ab");   // lcm-gen's hash of request_t and its members
@@ -67,8 +67,8 @@ TEST(WireBytes, RequestIsBigEndianInTheOrderOfItsFields) {
 }
 
 // The fingerprint of every message type; a changed field, name or unit changes it.
-TEST(WireBytes, SchemasAreThoseOfProtocolVersion7) {
-  ASSERT_EQ(kProtocolVersion, 7);
+TEST(WireBytes, SchemasAreThoseOfProtocolVersion8) {
+  ASSERT_EQ(kProtocolVersion, 8);
   const auto fingerprint = [](const Bytes& bytes) { return hex(bytes, 0, 8); };
   EXPECT_EQ(fingerprint(encode(Reply{})), "5d3393046ee02076");
   EXPECT_EQ(fingerprint(encode(Handshake{})), "37a03d486e5ee44e");

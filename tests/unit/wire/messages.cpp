@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <tandem_wire/call_of_7_t.hpp>
 #include <tandem_wire/request_t.hpp>
 
 #include "protocol/wire/crc32.h"
@@ -284,6 +285,53 @@ TEST(WireMessages, JournalKeepsEveryFieldOfCallsAndStep) {
   EXPECT_EQ(back->step.ledger.lost, 15);
   EXPECT_EQ(back->step.ledger.overlap_s, 11.5);
   EXPECT_EQ(back->step.ledger.discarded_s, 12.5);
+}
+
+TEST(WireMessages, CallKeepsItsTimes) {
+  CallRecord call = some_journal().calls.back();
+  call.times = {.begin_s = 1.5,
+                .end_s = 9.5,
+                .parts = {{2.0, 3.0, 8.0, 1.7e15, 4.0, 0.25, 0.5}, {2.5, 8.0, 9.0, 0.0, 1.0}}};
+  const auto back = decode_call(encode(some_header(Kind::Call), call));
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->times.begin_s, 1.5);
+  EXPECT_EQ(back->times.end_s, 9.5);
+  ASSERT_EQ(back->times.parts.size(), 2U);
+  const PartTimes& part = back->times.parts[0];
+  EXPECT_EQ(part.sent_s, 2.0);
+  EXPECT_EQ(part.awaited_s, 3.0);
+  EXPECT_EQ(part.arrived_s, 8.0);
+  EXPECT_EQ(part.side_us, 1.7e15);
+  EXPECT_EQ(part.compute_s, 4.0);
+  EXPECT_EQ(part.decode_s, 0.25);
+  EXPECT_EQ(part.encode_s, 0.5);
+  EXPECT_EQ(back->times.parts[1].awaited_s, 8.0);
+  call.times = {};
+  EXPECT_EQ(decode_call(encode(some_header(Kind::Call), call))->times.end_s, 0.0);
+}
+
+// Logs of protocol version 7 hold no times; the fingerprint is that of call_t then.
+TEST(WireMessages, CallsOfVersion7AreRead) {
+  tandem_wire::call_of_7_t old{};
+  old.header.macro_step = 7;
+  old.side = 1;
+  old.call = 1;
+  old.rollback_first = 1;
+  old.step_ns = 1000000;
+  old.n_message = 2;
+  old.message = {'n', 'o'};
+  Bytes bytes(static_cast<std::size_t>(old.getEncodedSize()));
+  old.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  EXPECT_EQ(bytes[0], 0x62);
+  EXPECT_EQ(bytes[1], 0x9f);
+  const auto call = decode_call(bytes);
+  ASSERT_TRUE(call.has_value());
+  EXPECT_EQ(call->side, SideName::Fem);
+  EXPECT_EQ(side_of_call(bytes), SideName::Fem);
+  EXPECT_EQ(call->macro_step, 7);
+  EXPECT_TRUE(call->rollback_first);
+  EXPECT_EQ(call->message, "no");
+  EXPECT_EQ(call->times.end_s, 0.0);
 }
 
 TEST(WireMessages, EveryFlippedBitBreaksTheSeal) {
