@@ -60,12 +60,12 @@ Json array_of(Json items, const Key& key) {
   return schema;
 }
 
-/// A list in place of one mapping: its entries need names.
-Json list_schema(const Section& section) {
-  Json entry = object_schema(section);
-  if (!entry.contains("required")) entry["required"] = Json::array();
-  entry["required"].push_back("name");
-  return {{"type", "array"}, {"items", std::move(entry)}, {"minItems", 1}};
+/// A list in place of one mapping, which stands beside it: its entries need names. Of keys of the
+/// root alone.
+Json list_schema(const Key& key) {
+  const Json one = {{"$ref", fmt::format("#/properties/{}/anyOf/0", key.name)}};
+  const Json named = {{"required", {"name"}}};
+  return {{"type", "array"}, {"items", {{"allOf", Json::array({one, named})}}}, {"minItems", 1}};
 }
 
 Json type_schema(const Key& key) {
@@ -94,7 +94,7 @@ Json type_schema(const Key& key) {
       return array_of(name, key);
     case Type::Section:
       if (!key.or_list) return object_schema(*key.section);
-      return {{"anyOf", Json::array({object_schema(*key.section), list_schema(*key.section)})}};
+      return {{"anyOf", Json::array({object_schema(*key.section), list_schema(key)})}};
     case Type::Sections:
       return array_of(object_schema(*key.section), key);
   }
