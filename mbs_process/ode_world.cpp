@@ -121,9 +121,11 @@ struct Element {
   dJointID id = nullptr;
   std::size_t joint = 0;             ///< of Params::joints
   std::array<int, 2> bodies{0, -1};  ///< −1 = world
-  int axis = 1;                      ///< of a stop
+  int axis = 1;                      ///< of a stop or motor
+  bool stops = false;                ///< a stop, or a slider with stops
   double max_effort = 0.0;           ///< of a motor
   double mobility = 0.0;             ///< of a motor beside a stop: its bodies' rate per impulse
+  double cfm = 0.0, speed = 0.0, most = 0.0;  ///< in the next step; the last two of a motor
   dJointFeedback reaction{};
 };
 using Elements = std::deque<Element>;
@@ -182,15 +184,19 @@ void OdeWorld::Impl::add_joint(const Params& params, std::size_t j) {
   for (const LimitParams& limit : joint.limits) {
     if (joint.kind == JointKind::Slider) {
       set_stop(joints.back().id, limit);  // its coordinate has no turns
+      joints.back().stops = true;
       continue;
     }
     element.id = create_row(world.get(), joint, limit.axis, body1, body2);
     set_stop(element.id, limit);
-    add(stops, element).axis = limit.axis;
+    Element& stop = add(stops, element);
+    stop.axis = limit.axis;
+    stop.stops = true;
   }
   if (!joint.motor) return;
   element.id = create_row(world.get(), joint, joint.motor->axis, body1, body2);
   element.max_effort = joint.motor->max_effort;
+  element.axis = joint.motor->axis;
   for (const LimitParams& limit : joint.limits) {
     if (limit.axis != joint.motor->axis) continue;
     element.mobility = mobility_of(params.bodies[index1], joint.kind);
@@ -247,8 +253,10 @@ void OdeWorld::load(const std::vector<BodyState>& bodies,
 }
 
 void OdeWorld::set_motor_speed(std::size_t joint, double speed) {
-  for (const Element& motor : impl_->motors) {
-    if (motor.joint == joint) set_parameter(motor.id, dParamVel, speed);
+  for (Element& motor : impl_->motors) {
+    if (motor.joint != joint) continue;
+    motor.speed = speed;
+    set_parameter(motor.id, dParamVel, speed);
   }
 }
 
@@ -257,14 +265,20 @@ void OdeWorld::obey(const StepRule& rule, double h_s) {
   dWorldSetGravity(impl_->world.get(), g.x(), g.y(), g.z());
   dWorldSetERP(impl_->world.get(), rule.erp);
   dWorldSetCFM(impl_->world.get(), rule.cfm);
-  for (const Element& joint : impl_->joints) set_softness(joint.id, rule.erp, rule.cfm);
-  for (const Element& stop : impl_->stops) set_softness(stop.id, rule.erp, rule.cfm);
-  for (const Element& motor : impl_->motors) {
+  for (Elements* elements : {&impl_->joints, &impl_->stops}) {
+    for (Element& element : *elements) {
+      element.cfm = rule.cfm;
+      set_softness(element.id, rule.erp, rule.cfm);
+    }
+  }
+  for (Element& motor : impl_->motors) {
     // A motor and a stop on one coordinate are two equal rows, which need some softness to be told
     // apart: the motor slips by 1e-8 of what its effort would do in a step.
     const double least = 1e-8 * h_s * motor.mobility;
-    set_parameter(motor.id, dParamCFM, std::max(rule.motor_cfm, least));
-    set_parameter(motor.id, dParamFMax, std::min(rule.share * motor.max_effort, dInfinity));
+    motor.cfm = std::max(rule.motor_cfm, least);
+    motor.most = std::min(rule.share * motor.max_effort, dInfinity);
+    set_parameter(motor.id, dParamCFM, motor.cfm);
+    set_parameter(motor.id, dParamFMax, motor.most);
   }
 }
 
@@ -302,6 +316,28 @@ void OdeWorld::add_reactions(std::vector<BodyWrench>& motors,
   add_reactions_of(impl_->motors, motors);
   add_reactions_of(impl_->joints, joints);
   add_reactions_of(impl_->stops, joints);
+}
+
+std::vector<EffortRow> OdeWorld::effort_rows() const {
+  std::vector<EffortRow> rows;
+  const auto add = [&](const Element& element, bool slides) {
+    const dJointFeedback& reaction = element.reaction;
+    rows.push_back({.joint = element.joint,
+                    .axis = element.axis,
+                    .motor = !element.stops,
+                    .cfm = element.cfm,
+                    .speed = element.speed,
+                    .most = element.most,
+                    .on_body1 = vector_of(slides ? reaction.f1 : reaction.t1)});
+  };
+  for (const Element& joint : impl_->joints) {
+    if (joint.stops) add(joint, true);
+  }
+  for (const Element& stop : impl_->stops) add(stop, false);
+  for (const Element& motor : impl_->motors) {
+    add(motor, dJointGetType(motor.id) == dJointTypeLMotor);
+  }
+  return rows;
 }
 
 std::array<double, 2> OdeWorld::coordinates(std::size_t joint) const {

@@ -19,6 +19,19 @@ class OdeFault : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A stop or a motor in a step, as ODE took it.
+struct EffortRow {
+  std::size_t joint = 0;  ///< of Params::joints
+  int axis = 1;
+  bool motor = false;  ///< else a stop
+  double cfm = 0.0;
+  double speed = 0.0;  ///< of a motor
+  double most = 0.0;   ///< of a motor: its largest effort in the step
+  /// What it exerted on body1 beside what else acts in directions across its axis (slider: force,
+  /// else torque).
+  Eigen::Vector3d on_body1 = Eigen::Vector3d::Zero();
+};
+
 /// The one border to the Open Dynamics Engine: bodies and joints of a dWorld, stepped by dWorldStep
 /// (direct LCP solver, semi-implicit Euler, double precision):
 ///   M (v⁺ − v) / h = f + Jᵀ μ,   J v⁺ + cfm μ = −(erp / h) φ,   x⁺ = x ⊕ h v⁺,
@@ -52,6 +65,8 @@ class OdeWorld {
   /// Adds what was exerted on each body in the last step, by motors to `motors`, by joints and
   /// their stops to `joints`.
   void add_reactions(std::vector<BodyWrench>& motors, std::vector<BodyWrench>& joints) const;
+  /// All stops, be they reached or not, and all motors, as they were in the last step.
+  [[nodiscard]] std::vector<EffortRow> effort_rows() const;
   /// Present coordinates of a joint as ODE measures them: angles in [−π, π].
   [[nodiscard]] std::array<double, 2> coordinates(std::size_t joint) const;
   /// Their present rates (rad/s, slider: m/s).

@@ -32,4 +32,18 @@ struct ProbeSizes {
                                                            const Eigen::Vector3d& p_BP,
                                                            double delta);
 
+/// r×, with r× a = r × a.
+[[nodiscard]] Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& r);
+
+/// dθ / d(h w) of x ⊕ h w = exp(h w) R, a rotation about the axes of W (the left Jacobian of
+/// SO(3)):
+///   1 + (1 − cos φ) / φ² (h w)× + (φ − sin φ) / φ³ (h w)×²,   φ = |h w|.
+[[nodiscard]] Eigen::Matrix3d turn_by_rate(const Eigen::Vector3d& turn);
+
+/// A port's 12 rows, [δp_WP | δθ_WP | δv_WP | δw_WP], by the change [δv_WB | δw_WB] of its body's
+/// twist at the end of a step from one pose, x⁺ = x ⊕ h v⁺; `end` is the body's state there.
+[[nodiscard]] Eigen::Matrix<double, 12, 6> port_change_by_twist(const BodyState& end,
+                                                                const Eigen::Vector3d& p_BP,
+                                                                double h_s);
+
 }  // namespace tandem::mbs

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "mbs_process/port_jacobian.h"
 #include "mbs_process/spring_stability.h"
 #include "protocol/contract/error.h"
 
@@ -82,6 +81,7 @@ RigidWorld::RigidWorld(Params params)
   info_.name = "mbs";
   info_.micro_step = params_.micro_step.value_or(params_.macro_step);
   info_.can_linearize = true;
+  for (const JointParams& joint : params_.joints) joints_.emplace_back(params_, joint);
   for (const scenario::PortParams& port : params_.ports) {
     info_.ports.push_back({.name = port.name, .length_m = 0.0});
     const std::size_t index = body_index(params_, port.body).value();
@@ -113,10 +113,16 @@ StepResult<MotionSet> RigidWorld::advance(const StepRequest<WrenchSet>& request)
   StepResult<MotionSet> result;
   const State begin = state_;
   State end = state_;
+  kicks_.clear();
+  // The response is that of one dWorldStep.
+  recording_ = request.linearize && linearization_ == Linearization::Response &&
+               params_.integrator == IntegratorKind::Euler &&
+               micro_step_of(request.step) == request.step;
   std::optional<std::string> failure = integrate(end, request.step, request.input, Booking::On);
+  recording_ = false;
   if (!failure && request.linearize) {
     std::string probe_failure;
-    result.jacobian = probe(begin, end, request, probe_failure);
+    result.jacobian = linearised(begin, end, request, probe_failure);
     if (!result.jacobian) failure = probe_failure;
   }
   if (failure) {
@@ -251,6 +257,7 @@ void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches,
   command_motors(state, h_s, MotorAim::Mean);
   world_.step(h_s, applied, whole_step(params_));
   world_.read(state.bodies);
+  record(h_s, whole_step(params_), before, state.joint_coordinates, applied, state.bodies);
   track_coordinates(state, h_s);
   if (work == nullptr) return;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -312,8 +319,10 @@ void RigidWorld::half_kick(State& state, double t_s, double h_s, const WrenchSet
   world_.load(bodies, state.joint_coordinates);
   const bool first = half == Half::First;
   command_motors(state, h_s, first ? MotorAim::Mean : MotorAim::End);
-  world_.step(h_s, applied, first ? first_half(params_) : second_half(params_, h_s));
+  const StepRule rule = first ? first_half(params_) : second_half(params_, h_s);
+  world_.step(h_s, applied, rule);
   world_.read(state.bodies);
+  record(h_s, rule, bodies, state.joint_coordinates, applied, state.bodies);
   world_.add_reactions(sorted_.motors, sorted_.joints);
 }
 
@@ -373,39 +382,6 @@ double RigidWorld::kinetic_energy_J(const State& state) const {
                      w_B.dot(params_.bodies[i].inertia_B() * w_B));
   }
   return energy;
-}
-
-std::optional<InterfaceJacobian> RigidWorld::probe(const State& begin, const State& end,
-                                                   const StepRequest<WrenchSet>& request,
-                                                   std::string& failure) {
-  const auto count = static_cast<Eigen::Index>(ports_.size());
-  InterfaceJacobian jacobian(12 * count, 6 * count);
-  StepRequest<WrenchSet> probed = request;
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    const ProbeSizes sizes =
-        probe_sizes(params_.bodies[ports_[i].body], ports_[i].p_BP, to_seconds(request.step));
-    for (int direction = 0; direction < 6; ++direction) {
-      probed.input.end = request.input.end;
-      Wrench& wrench = probed.input.end[i];
-      const bool is_force = direction < 3;
-      double& component = is_force ? wrench.f_P_W[direction] : wrench.t_P_W[direction - 3];
-      const double unperturbed = component;
-      component += is_force ? sizes.force_N : sizes.torque_Nm;
-      const double delta = component - unperturbed;
-      State state = begin;
-      if (auto failed = integrate(state, request.step, probed.input, Booking::Off)) {
-        failure = "mbs: probing port '" + info_.ports[i].name + "' failed: " + *failed;
-        return std::nullopt;
-      }
-      const auto column = 6 * static_cast<Eigen::Index>(i) + direction;
-      for (Eigen::Index k = 0; k < count; ++k) {
-        const Port& port = ports_[static_cast<std::size_t>(k)];
-        jacobian.block<12, 1>(12 * k, column) =
-            port_derivative(end.bodies[port.body], state.bodies[port.body], port.p_BP, delta);
-      }
-    }
-  }
-  return jacobian;
 }
 
 }  // namespace tandem::mbs

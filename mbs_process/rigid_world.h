@@ -6,10 +6,13 @@
 #include <vector>
 
 #include "mbs_process/joint_gap.h"
+#include "mbs_process/joint_rows.h"
+#include "mbs_process/kick.h"
 #include "mbs_process/loads.h"
 #include "mbs_process/motor_rate.h"
 #include "mbs_process/ode_world.h"
 #include "mbs_process/params.h"
+#include "mbs_process/port_jacobian.h"
 #include "mbs_process/state.h"
 #include "mbs_process/step_work.h"
 #include "mbs_process/wrench_rule.h"
@@ -44,8 +47,10 @@ namespace tandem::mbs {
 ///
 /// The result is a pure function of state and request: bit-identical after any rollback.
 ///
-/// Cost: one dWorldStep per micro step, cubic in the number of bodies of one mechanism; with
-/// `linearize`, 6 further advances per port.
+/// Cost: one dWorldStep per micro step, cubic in the number of bodies of one mechanism. With
+/// `linearize`, one factorisation that is linear in the bodies of a chain (see KickResponse) where
+/// the macro step is one dWorldStep; else, and for every column in which a stop or motor would
+/// change its role, a further advance per column, 6 columns a port.
 class RigidWorld final : public MbsSide {
  public:
   /// Throws a Usage error when check(params) does.
@@ -59,6 +64,13 @@ class RigidWorld final : public MbsSide {
   void checkpoint() override;
   void rollback() override;
   Observation observe() override;
+
+  /// How `linearize` gets its columns: by the step's own response where that holds, or all by
+  /// probing.
+  enum class Linearization { Response, Probing };
+  void linearize_by(Linearization how) { linearization_ = how; }
+  /// Columns of the last Jacobian that were probed.
+  [[nodiscard]] int probed_columns() const { return probed_columns_; }
 
   /// Called with every state that checkpoint() accepts, e.g. to write bodies.csv.
   using AcceptedStateSink = std::function<void(const State&)>;
@@ -102,9 +114,21 @@ class RigidWorld final : public MbsSide {
   /// The joints' coordinates after ODE has moved the bodies for h_s.
   void track_coordinates(State& state, double h_s) const;
   [[nodiscard]] double kinetic_energy_J(const State& state) const;
-  std::optional<InterfaceJacobian> probe(const State& begin, const State& end,
-                                         const StepRequest<WrenchSet>& request,
-                                         std::string& failure);
+  /// Keeps a dWorldStep for the response, if one is wanted.
+  void record(double h_s, const StepRule& rule, const std::vector<BodyState>& begin,
+              const std::vector<std::array<double, 2>>& coordinates,
+              const std::vector<BodyWrench>& applied, const std::vector<BodyState>& end);
+  std::optional<InterfaceJacobian> linearised(const State& begin, const State& end,
+                                              const StepRequest<WrenchSet>& request,
+                                              std::string& failure);
+  [[nodiscard]] ProbeSizes sizes_of(std::size_t port, SimTime macro_step) const;
+  /// Sets the columns that the recorded step's response holds for, and marks them in `found`.
+  void respond(const State& end, SimTime macro_step, InterfaceJacobian& jacobian,
+               std::vector<bool>& found) const;
+  /// One column by an advance of its own; what went wrong, or none.
+  std::optional<std::string> probe(Eigen::Index column, const State& begin, const State& end,
+                                   const StepRequest<WrenchSet>& request,
+                                   InterfaceJacobian& jacobian);
 
   Params params_;
   SubsystemInfo info_;
@@ -113,6 +137,11 @@ class RigidWorld final : public MbsSide {
   WrenchRule rule_;
   OdeWorld world_;
   JointGaps gaps_;
+  std::vector<JointGeometry> joints_;
+  Linearization linearization_ = Linearization::Response;
+  bool recording_ = false;
+  std::vector<Kick> kicks_;  ///< of the last macro step that was recorded
+  int probed_columns_ = 0;
   SortedWrenches sorted_;  ///< of the present dWorldStep
   State state_;
   State saved_;

@@ -6,10 +6,15 @@ tandem_test(test_mbs
   LIBS mbs
   LABELS unit)
 tandem_test(test_mbs_contract
-  SOURCES contract/mbs_jacobian_test.cpp contract/mbs_rollback_test.cpp
+  SOURCES contract/mbs_jacobian_test.cpp contract/mbs_response_test.cpp
+    contract/mbs_rollback_test.cpp
   LIBS mbs
   LABELS contract)
 tandem_test(test_mbs_convergence
   SOURCES convergence/mbs_order_test.cpp convergence/mbs_verlet_test.cpp
   LIBS mbs
   LABELS convergence)
+
+# Prints, for docs/coupling.md, what the interface Jacobian costs on chains.
+add_executable(mbs_jacobian bench/mbs_jacobian.cpp)
+target_link_libraries(mbs_jacobian PRIVATE tandem_options mbs fmt::fmt)
