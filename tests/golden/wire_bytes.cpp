@@ -81,7 +81,7 @@ TEST(WireBytes, SchemasAreThoseOfProtocolVersion8) {
   EXPECT_EQ(fingerprint(encode(Missing{})), "b9497ceb2c0c98cb");
   EXPECT_EQ(fingerprint(encode(Control{})), "ce97476618f21b03");
   EXPECT_EQ(fingerprint(encode(Controlled{})), "f3704e734223d909");
-  EXPECT_EQ(fingerprint(encode(Header{}, CallRecord{})), "629f994f410b2322");
+  EXPECT_EQ(fingerprint(encode(Header{}, CallRecord{})), "5ae6f6d23c8961e3");
   EXPECT_EQ(fingerprint(encode(Header{}, StepRecord{})), "e4ae41581e8d7e46");
   EXPECT_EQ(fingerprint(encode(Header{}, StepJournal{})), "10f0ceed0cf2971d");
   EXPECT_EQ(fingerprint(encode(Header{}, Finished{})), "0a57f30fdac9cf4f");
