@@ -15,7 +15,7 @@ struct SideMeter {
   /// Booked time that passed beside other booked time: of begun advances outside of the calls, and
   /// of bodies that compute at the same time.
   double overlap_s = 0.0;
-  double pending_s = 0.0;    ///< compute of the last advance, discarded if a rollback follows
+  double pending_s = 0.0;  ///< compute of the last advance, discarded if a rollback follows
 };
 
 /// Where a side computes: its compute time is the duration of the call (here) or reported

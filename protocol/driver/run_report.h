@@ -57,8 +57,8 @@ struct RunReport {
   std::string turning_port;             ///< that port
   SimTime largest_step{};               ///< H
   SideEnergies energy_start;
-  SideEnergies energy_end;       ///< of the last accepted state
-  std::uint64_t state_hash = 0;  ///< likewise
+  SideEnergies energy_end;                                ///< of the last accepted state
+  std::uint64_t state_hash = 0;                           ///< likewise
   std::vector<BodyObservation> bodies_start, bodies_end;  ///< of several flexible bodies, likewise
   std::vector<std::string> port_names;
   MotionSet motions;   ///< at the end
