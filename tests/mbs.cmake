@@ -15,6 +15,6 @@ tandem_test(test_mbs_convergence
   LIBS mbs
   LABELS convergence)
 
-# Prints, for docs/coupling.md, what the interface Jacobian costs on chains.
+# Prints the table of docs/coupling.md: what the interface Jacobian costs on chains.
 add_executable(mbs_jacobian bench/mbs_jacobian.cpp)
 target_link_libraries(mbs_jacobian PRIVATE tandem_options mbs fmt::fmt)

@@ -1,5 +1,5 @@
 // Prints, for docs/coupling.md, what the multibody side's Jacobian costs on hinged chains,
-// by the step's own response and by probing, against one step. User CPU times; no test.
+// by the step's own response and by probing, against one step. CPU times; no test.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ Params chain(std::size_t bodies, std::size_t ports) {
   return params;
 }
 
-/// Median user CPU time (s) of advances from the accepted state.
+/// Median CPU time (s), the system's included, of advances from the accepted state.
 double advance_s(RigidWorld& world, bool linearize, RigidWorld::Linearization how) {
   const WrenchSet wrenches(world.params().ports.size());
   auto request = step_of(kMillisecond, wrenches, wrenches);
