@@ -17,7 +17,7 @@ SystemGraph graph_of_example(const std::string& example) {
   return graph_of(model, mbs::make_side(model.scenario.root, {})->params());
 }
 
-std::size_t count(const std::string& text, const std::string& what) {
+std::size_t occurrences(const std::string& text, const std::string& what) {
   std::size_t found = 0;
   for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
   return found;
@@ -48,8 +48,8 @@ TEST(SystemGraph, IsDrawnWhole) {
   graph.nodes[1].name = "a<b";
   const std::string svg = svg_of(graph);
   EXPECT_EQ(svg, svg_of(graph));
-  EXPECT_EQ(count(svg, "rx="), graph.nodes.size());
-  EXPECT_EQ(count(svg, "<path"), graph.edges.size() + 3) << "each link, and the key's three";
+  EXPECT_EQ(occurrences(svg, "rx="), graph.nodes.size());
+  EXPECT_EQ(occurrences(svg, "<path"), graph.edges.size() + 3) << "each link, and the key's three";
   EXPECT_NE(svg.find("a&lt;b"), std::string::npos);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
