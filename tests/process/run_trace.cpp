@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -124,8 +124,7 @@ TEST_F(RunTrace, ShowsBothProcessesTheirExchangesAndWhatWasRolledBack) {
 }
 
 TEST_F(RunTrace, ShowsTheHubBetweenTheSides) {
-  run({"--driver", "orchestrator", "--scheme", "explicit_parallel", "--set",
-       "run.duration_s=0.01"});
+  run({"--driver", "orchestrator", "--scheme", "explicit_parallel"});
   const json trace = trace_of(folder_ / "run");
   EXPECT_EQ(processes_of(trace), (std::set<std::string>{"tandem", "tandem-mbs", "tandem-fem"}));
   EXPECT_GT(expect_forward_arrows(trace), 10U);
