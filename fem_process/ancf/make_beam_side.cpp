@@ -22,6 +22,7 @@ std::unique_ptr<BeamBody> make_beam_side(const scenario::Node& root,
                                          const std::filesystem::path& directory) {
   auto body = std::make_unique<BeamBody>(read_beam_params(root));
   if (directory.empty()) return body;
+  std::filesystem::create_directories(directory);
 
   // shared_ptr: std::function must be copyable, although this one never is copied.
   auto files = std::make_shared<Files>(

@@ -14,9 +14,7 @@ std::unique_ptr<FemSide> make_model(const scenario::Node& root,
 std::filesystem::path folder_of(const std::filesystem::path& run_folder, const scenario::Node& root,
                                 std::size_t bodies) {
   if (run_folder.empty() || bodies == 1) return run_folder;
-  std::filesystem::path folder = run_folder / root.section("fem").text("name");
-  std::filesystem::create_directories(folder);
-  return folder;
+  return run_folder / root.section("fem").text("name");
 }
 
 }  // namespace tandem::fem

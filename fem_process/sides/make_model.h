@@ -15,7 +15,7 @@ namespace tandem::fem {
                                                   const std::filesystem::path& directory);
 
 /// Where a body of so many writes its files within the run's folder: one into the folder itself,
-/// several each into a folder of its name, which is made. Empty stays empty: no files.
+/// several each into a folder of its name, made with the first file. Empty stays empty: no files.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& run_folder,
                                               const scenario::Node& root, std::size_t bodies);
 

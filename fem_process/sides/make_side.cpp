@@ -55,6 +55,7 @@ std::unique_ptr<FlexibleSide> make_side(const scenario::Node& root,
   // shared_ptr: std::function must be copyable, although this one never is copied.
   auto files = std::make_shared<Files>();
   const std::int64_t every_steps = scenario::read_output(root).vtu_every_steps;
+  if (!params.watch.empty()) std::filesystem::create_directories(directory);
   if (every_steps > 0) files->vtu.emplace(body->model(), directory / "fem", "fem", every_steps);
   if (!params.watch.empty()) files->watch.emplace(directory / "watch.csv", names_of(params.watch));
   const SimTime end = scenario::read_run(root).duration;

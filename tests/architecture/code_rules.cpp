@@ -149,10 +149,10 @@ Findings find_untold_rooms(const std::vector<SourceFile>& tree) {
     std::string headings, expected;
     if (file != tree.end()) {
       for (const std::string& line : file->lines) {
-        if (line.starts_with("## ")) headings += " " + line.substr(3);
+        if (line.starts_with("## ")) headings.append(" ").append(line, 3);
       }
     }
-    for (std::string_view room : house.rooms) expected += " " + std::string(room);
+    for (std::string_view room : house.rooms) expected.append(" ").append(room);
     if (headings == expected) continue;
     findings.push_back(
         fmt::format("{}: its headings must be the rooms, lower ones first:{}", page, expected));

@@ -18,6 +18,7 @@
 #include "orchestrator/page/svg_plot.h"
 #include "orchestrator/run/run.h"
 #include "protocol/contract/error.h"
+#include "protocol/driver/process_memory.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -61,7 +62,7 @@ Cost cost_of(const Model& model, const std::filesystem::path& folder, Mode mode)
     require(outcome.exit_code == 0, outcome.summary.value("message", std::string("no message")));
     times.emplace_back(
         1e6 * outcome.summary.at("wall_s").get<double>() / kSteps,
-        1e6 * outcome.summary.at("ledger").at("fem_compute_s").get<double>() / kSteps);
+        1e6 * outcome.summary.at("ledger_s").at("fem_compute").get<double>() / kSteps);
     cost.iterations = outcome.summary.at("iterations").at("mean").get<double>();
     cost.messages = outcome.summary.at("wire").at("messages").get<double>() / kSteps;
   }
@@ -129,6 +130,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: bodies_cost SVG_FILE\n");
     return 2;
   }
+  tandem::keep_freed_memory();  // as tandem does
   try {
     tandem::orchestrator::run(argv[1]);
   } catch (const std::exception& error) {

@@ -69,7 +69,9 @@ void expect_nested_slices(const json& trace) {
     for (const auto& [begin, end] : slices) {
       // Times are written to 1 ns.
       while (!open.empty() && open.back() <= begin + 0.0015) open.pop_back();
-      if (!open.empty()) EXPECT_LE(end, open.back() + 0.0015) << track.first << " at " << begin;
+      if (!open.empty()) {
+        EXPECT_LE(end, open.back() + 0.0015) << track.first << " at " << begin;
+      }
       open.push_back(end);
     }
   }
