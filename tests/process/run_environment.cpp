@@ -54,8 +54,16 @@ TEST_P(Interrupted, EndsInOrderWithTheSignalsExitCode) {
   command.insert(command.begin(), "/usr/bin/setsid");  // a process group of its own, same pid
   ChildProcess tandem(command);
   const auto log = run / "exchange.lcm";
-  for (int i = 0; i < (test.waiting ? 400 : 2000); ++i) {
-    if (std::filesystem::exists(log) && std::filesystem::file_size(log) > 50000) break;
+  // A run that waits has logged the start and the first macro step, and logs no more.
+  const auto far_enough = [&] {
+    const std::string logged = read_file(log);
+    const std::string step = "_orchestrator_step";
+    const auto first = logged.find(step);
+    return test.waiting
+               ? first != std::string::npos && logged.find(step, first + 1) != std::string::npos
+               : logged.size() > 50000;
+  };
+  for (int i = 0; i < 2000 && !far_enough(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   kill(test.whole_group ? -tandem.pid() : tandem.pid(), test.signal);
