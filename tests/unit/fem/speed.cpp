@@ -46,7 +46,7 @@ TEST(ThreadTeam, RangesCoverTheWholeInPiecesOfTheGrain) {
   for (int once : count) EXPECT_EQ(once, 1);
 }
 
-/// Positions after 30 steps of the swung lug.
+/// Positions after 40 steps of the swung lug.
 Eigen::VectorXd swing(const SolverParams& solver, int threads, int order = 1) {
   Params params =
       benchmark_params(benchmark_case("soft"), data_file("lug_1k.msh"), "clamp", "eye", solver);
