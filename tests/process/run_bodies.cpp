@@ -63,7 +63,7 @@ TEST_P(RunBodies, HaveTheBitsOfOneProcess) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Links, RunBodies, testing::Values(1, 2, 4, 8));
+INSTANTIATE_TEST_SUITE_P(Links, RunBodies, testing::Values(1, 2, 4, 8, 16));
 
 // The iterations do not grow with the number of bodies: all of them are in one Newton step.
 TEST(RunBodiesCost, IterationsDoNotGrowWithTheirNumber) {
