@@ -17,4 +17,4 @@ tandem_test(test_mbs_convergence
 
 # Prints the table of docs/coupling.md: what the interface Jacobian costs on chains.
 add_executable(mbs_jacobian bench/mbs_jacobian.cpp)
-target_link_libraries(mbs_jacobian PRIVATE tandem_options mbs fmt::fmt)
+target_link_libraries(mbs_jacobian PRIVATE tandem_options mbs tandem_side_process fmt::fmt)

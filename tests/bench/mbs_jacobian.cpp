@@ -6,6 +6,7 @@
 #include <ctime>
 #include <vector>
 
+#include "protocol/driver/process_memory.h"
 #include "tests/support/mbs_mechanisms.h"
 
 namespace tandem::mbs::testing {
@@ -70,6 +71,7 @@ void print_row(std::size_t bodies, std::size_t ports) {
 }  // namespace tandem::mbs::testing
 
 int main() {
+  tandem::keep_freed_memory();  // as tandem and tandem-mbs do
   fmt::print("| bodies | ports | step (ms) | B by probing (ms) | B by response (ms) | ratio |\n");
   fmt::print("|---|---|---|---|---|---|\n");
   for (const std::size_t bodies : {5U, 10U, 20U, 50U, 100U, 200U}) {
