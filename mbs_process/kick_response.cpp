@@ -33,8 +33,9 @@ Eigen::VectorXd forces_of(const Params& params, const Kick& kick) {
   Eigen::VectorXd forces(rows_of(kick.begin.size()));
   for (std::size_t b = 0; b < kick.begin.size(); ++b) {
     const BodyParams& body = params.bodies[b];
+    const double weighs_kg = body.massless ? 0.0 : body.mass_kg;
     forces.segment<3>(rows_of(b)) =
-        kick.rule.share * (kick.applied[b].f_B_W + body.mass_kg * params.gravity_m_per_s2);
+        kick.rule.share * (kick.applied[b].f_B_W + weighs_kg * params.gravity_m_per_s2);
     forces.segment<3>(rows_of(b) + 3) = kick.rule.share * kick.applied[b].t_B_W;
     if (params.integrator != IntegratorKind::Euler) continue;
     forces.segment<3>(rows_of(b) + 3) += implicit_gyroscopic_torque(body, kick.begin[b], kick.h_s);

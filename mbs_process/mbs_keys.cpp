@@ -41,9 +41,51 @@ Key bodies_key() {
           .doc_is("Angular velocity at t = 0 in world axes."),
   };
   return scenario::sections("bodies", std::move(body))
-      .must()
       .at_least_count(1)
-      .doc_is("Rigid bodies.");
+      .doc_is("Rigid bodies. May be left out where there are junctions.");
+}
+
+Key junctions_key() {
+  Section junction;
+  junction.title = "Junction";
+  junction.doc =
+      "A frame without mass that ports of several flexible bodies share, or that a joint holds: "
+      "the wrenches of its ports and the forces of its joints are in balance at every step. With "
+      "coupling.scheme interface_jacobian or implicit. While a step is made an inertia stands in "
+      "for "
+      "its own, and is taken away again.";
+  junction.keys = {
+      scenario::name("name").must().doc_is("Name that joints, springs, forces and ports refer to, "
+                                           "as to a body's."),
+      scenario::reals("position_m", "m")
+          .count(3)
+          .by_default("[0, 0, 0]")
+          .doc_is("Origin at t = 0 in world axes: that of one of its ports."),
+      scenario::reals("orientation_wxyz", "")
+          .count(4)
+          .of_unit_length()
+          .by_default("[1, 0, 0, 0]")
+          .doc_is("Rotation of its axes at t = 0 as a quaternion [w, x, y, z]."),
+      scenario::reals("velocity_m_per_s", "m/s")
+          .count(3)
+          .by_default("[0, 0, 0]")
+          .doc_is("Velocity of the origin at t = 0."),
+      scenario::reals("angular_velocity_rad_per_s", "rad/s")
+          .count(3)
+          .by_default("[0, 0, 0]")
+          .doc_is("Angular velocity at t = 0 in world axes."),
+      scenario::real("stand_in_mass_kg", "kg")
+          .above(0)
+          .by_default("1")
+          .doc_is("Mass that stands in. With integrators of second order and with coupling.scheme: "
+                  "implicit about that of the flexible bodies; else any."),
+      scenario::real("stand_in_inertia_kg_m2", "kg m²")
+          .above(0)
+          .by_default("0.01")
+          .doc_is("Inertia that stands in, about all axes."),
+  };
+  return scenario::sections("junctions", std::move(junction))
+      .doc_is("Massless frames that join flexible bodies without a rigid one.");
 }
 
 Key limits_key() {
@@ -258,6 +300,7 @@ Key mbs_keys() {
           "the micro step over erp, a motor falls behind its law by cfm times its effort; must be "
           "positive where joints constrain the same motion twice."),
       bodies_key(),
+      junctions_key(),
       joints_key(),
       springs_key(),
       joint_springs_key(),

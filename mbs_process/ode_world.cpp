@@ -103,6 +103,7 @@ dBodyID create_body(dWorldID world, const BodyParams& params, bool implicit_gyro
   const auto& I = params.inertia_kg_m2;
   dMassSetParameters(&mass, params.mass_kg, 0, 0, 0, I[0], I[1], I[2], I[3], I[4], I[5]);
   dBodySetMass(body, &mass);
+  dBodySetGravityMode(body, params.massless ? 0 : 1);
   dBodySetGyroscopicMode(body, implicit_gyroscopic_torque ? 1 : 0);
   dBodySetFiniteRotationMode(body, 1);
   dBodySetFiniteRotationAxis(body, 0, 0, 0);

@@ -73,6 +73,14 @@ std::optional<Defect> bad_inertia(const BodyParams& body) {
   return std::nullopt;
 }
 
+std::string ports_on(const BodyParams& body, const Params& params) {
+  std::string names;
+  for (const scenario::PortParams& port : params.ports) {
+    if (port.body == body.name) names += (names.empty() ? "" : ", ") + port.name;
+  }
+  return names;
+}
+
 bool needs_axis2(JointKind kind) {
   return kind == JointKind::Universal || kind == JointKind::Hinge2;
 }
@@ -337,6 +345,34 @@ void check(const Params& params) {
   check_each(params.joint_springs, "joint spring", against_params);
   check_each(params.forces, "force", against_params);
   check_each(params.ports, "port", against_params);
+  check_each(params.bodies, "junction",
+             [&params](const BodyParams& body) { return bad_junction(body, params); });
+}
+
+std::optional<std::size_t> port_at(const Params& params, const BodyParams& junction) {
+  for (std::size_t p = 0; p < params.ports.size(); ++p) {
+    const scenario::PortParams& port = params.ports[p];
+    if (port.body == junction.name && (port.at_body_frame || port.p_WP == junction.p_WB)) return p;
+  }
+  return std::nullopt;
+}
+
+std::optional<Defect> bad_junction(const BodyParams& body, const Params& params) {
+  if (!body.massless) return std::nullopt;
+  if (params.integrator == IntegratorKind::GeneralisedAlpha && params.micro_step) {
+    return Defect{"name",
+                  "junctions and mbs.micro_step_s do not go together with mbs.integrator: "
+                  "generalised_alpha. Leave the micro step out and shorten run.macro_step_s."};
+  }
+  const std::string ports = ports_on(body, params);
+  if (ports.empty()) {
+    return Defect{"name",
+                  "no port is on it, and without mass nothing says how it moves. Name it as the "
+                  "body of a port, or remove it."};
+  }
+  if (port_at(params, body)) return std::nullopt;
+  return Defect{"position_m",
+                "none of its ports (" + ports + ") stands there. Set it to the position_m of one."};
 }
 
 std::optional<std::size_t> body_index(const Params& params, const std::string& name) {

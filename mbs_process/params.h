@@ -20,6 +20,9 @@ inline constexpr const char* kWorld = "world";
 /// A rigid body and its motion at t = 0. Its frame B has its origin Bo at the centre of mass.
 struct BodyParams {
   std::string name;
+  /// A junction: no mass, no weight, no energy of its own. Mass and inertia are those that stand in
+  /// while a step is made (see StandInInertia); the inertia is the same about all axes.
+  bool massless = false;
   double mass_kg = 1.0;
   /// Elements of the inertia tensor about Bo in the axes of B: Ixx, Iyy, Izz, Ixy, Ixz, Iyz
   /// (kg m²). The last three are the tensor's own off-diagonal elements (Ixy = −∫ x y dm).
@@ -151,6 +154,8 @@ struct Defect {
 
 /// First defect of an element, in itself and against the rest of `params`; none = sound.
 [[nodiscard]] std::optional<Defect> find_defect(const BodyParams& body);
+/// Of a junction against the ports and the integrator; none for bodies with mass.
+[[nodiscard]] std::optional<Defect> bad_junction(const BodyParams& body, const Params& params);
 [[nodiscard]] std::optional<Defect> find_defect(const JointParams& joint, const Params& params);
 [[nodiscard]] std::optional<Defect> find_defect(const SpringParams& spring, const Params& params);
 [[nodiscard]] std::optional<Defect> find_defect(const JointSpringParams& spring,
@@ -164,5 +169,9 @@ void check(const Params& params);
 
 /// Position of `name` in params.bodies; none for kWorld. Throws std::out_of_range for others.
 [[nodiscard]] std::optional<std::size_t> body_index(const Params& params, const std::string& name);
+
+/// Number of the port that stands at the origin of a junction's frame, where the stand-in inertia
+/// is taken away again; none: no port does.
+[[nodiscard]] std::optional<std::size_t> port_at(const Params& params, const BodyParams& junction);
 
 }  // namespace tandem::mbs

@@ -51,6 +51,20 @@ BodyParams read_body(const Node& node) {
   return body;
 }
 
+BodyParams read_junction(const Node& node) {
+  BodyParams junction;
+  junction.name = node.text("name");
+  junction.massless = true;
+  junction.mass_kg = node.real("stand_in_mass_kg");
+  const double inertia = node.real("stand_in_inertia_kg_m2");
+  junction.inertia_kg_m2 = {inertia, inertia, inertia, 0.0, 0.0, 0.0};
+  junction.p_WB = node.vector3("position_m");
+  junction.q_WB = node.quaternion_wxyz("orientation_wxyz");
+  junction.v_WB = node.vector3("velocity_m_per_s");
+  junction.w_WB = node.vector3("angular_velocity_rad_per_s");
+  return junction;
+}
+
 /// Refuses keys of the wrong unit: `_m` and `_N` belong to sliders, `_rad` and `_Nm` to the rest.
 void refuse_other_unit(const Node& node, bool slider, const std::vector<std::string>& linear,
                        const std::vector<std::string>& angular) {
@@ -177,10 +191,19 @@ Params read_mechanism(const Node& mbs) {
   if (params.integrator == IntegratorKind::Verlet) params.newmark_beta = mbs.real("newmark_beta");
   params.erp = mbs.real("erp");
   params.cfm = mbs.real("cfm");
-  for (const Node& node : mbs.list("bodies")) {
+  for (const Node& node : list_or_none(mbs, "bodies")) {
     params.bodies.push_back(read_body(node));
     refuse(node, find_defect(params.bodies.back()));
   }
+  for (const Node& node : list_or_none(mbs, "junctions")) {
+    BodyParams junction = read_junction(node);
+    refuse(node, find_defect(junction));
+    for (const BodyParams& body : params.bodies) {
+      if (body.name == junction.name) node.fail("name", "'" + body.name + "' is taken by a body.");
+    }
+    params.bodies.push_back(std::move(junction));
+  }
+  if (params.bodies.empty()) mbs.fail("bodies", "is missing: name a body or a junction.");
   for (const Node& node : list_or_none(mbs, "joints")) {
     params.joints.push_back(read_joint(node));
     refuse(node, find_defect(params.joints.back(), params));
@@ -209,6 +232,11 @@ Params read_params(const Node& root) {
   const std::vector<Node> ports = root.list("ports");
   for (std::size_t i = 0; i < ports.size(); ++i) {
     refuse(ports[i], find_defect(params.ports[i], params));
+  }
+  const std::vector<Node> junctions = list_or_none(mbs, "junctions");
+  const std::size_t first = params.bodies.size() - junctions.size();
+  for (std::size_t i = 0; i < junctions.size(); ++i) {
+    refuse(junctions[i], bad_junction(params.bodies[first + i], params));
   }
   return params;
 }

@@ -93,6 +93,15 @@ RigidWorld::RigidWorld(Params params)
       ports_.push_back({index, q_BW * (port.p_WP - body.p_WB), q_BW * port.q_WP});
     }
   }
+  for (const BodyParams& body : params_.bodies) {
+    if (!body.massless) continue;
+    const bool euler = params_.integrator == IntegratorKind::Euler;
+    info_.ports[port_at(params_, body).value()].stand_in = {.mass_kg = body.mass_kg,
+                                                            .inertia_kg_m2 = body.inertia_kg_m2[0],
+                                                            .gamma = euler ? 1.0 : rule_.gamma,
+                                                            .alpha_m = rule_.alpha_m,
+                                                            .alpha_f = rule_.alpha_f};
+  }
 }
 
 MotionSet RigidWorld::initialize(const WrenchSet& wrenches) {
@@ -153,6 +162,7 @@ Observation RigidWorld::observe() {
   observation.energy.kinetic_J = kinetic_energy_J(state_);
   observation.energy.potential_J = loads_.spring_energy_J(state_);
   for (std::size_t i = 0; i < state_.bodies.size(); ++i) {
+    if (params_.bodies[i].massless) continue;
     observation.energy.potential_J -=
         params_.bodies[i].mass_kg * params_.gravity_m_per_s2.dot(state_.bodies[i].p_WB);
   }
@@ -268,6 +278,7 @@ void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches,
   work->motors_J = work_J(sorted_.motors, state.bodies, h_s);
   work->kinetic_loss_J = velocity_change_J(params_, before, state.bodies);
   work->interface_J = h_s * interface_power_W(wrenches, motions_of(state));
+  work->stand_in_J = stand_in_work_J(params_, before, state.bodies, state.bodies);
 }
 
 void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches,
@@ -302,6 +313,7 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
   work->add(sorted_, middle, h_s, 0.5);
   work->motors_J += work_J(sorted_.motors, state.bodies, h_s);
   work->kinetic_loss_J -= velocity_change_J(params_, middle, state.bodies);
+  work->stand_in_J = stand_in_work_J(params_, begin, state.bodies, middle);
   const Eigen::VectorXd sum = stack(wrenches.begin) + stack(wrenches.end);
   const Eigen::VectorXd moved = difference(motions, motions_of(state));
   for (Eigen::Index i = 0; 6 * i < sum.size(); ++i) {
@@ -376,6 +388,7 @@ void RigidWorld::track_coordinates(State& state, double h_s) const {
 double RigidWorld::kinetic_energy_J(const State& state) const {
   double energy = 0.0;
   for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    if (params_.bodies[i].massless) continue;
     const BodyState& body = state.bodies[i];
     const Eigen::Vector3d w_B = body.q_WB.conjugate() * body.w_WB;
     energy += 0.5 * (params_.bodies[i].mass_kg * body.v_WB.squaredNorm() +

@@ -14,12 +14,18 @@
 namespace tandem::mbs {
 namespace {
 
+constexpr double kHeavy = 1e9;
+
 /// Without loads and velocities nothing moves but by the efforts that are tried.
 Params at_rest(Params params) {
   params.gravity_m_per_s2.setZero();
   for (BodyParams& body : params.bodies) {
     body.v_WB.setZero();
     body.w_WB.setZero();
+    // What a junction's springs move is the flexible bodies there, which are not known here.
+    if (!body.massless) continue;
+    body.mass_kg *= kHeavy;
+    for (double& element : body.inertia_kg_m2) element *= kHeavy;
   }
   return params;
 }

@@ -31,11 +31,24 @@ double velocity_change_J(const Params& params, const std::vector<BodyState>& a,
                          const std::vector<BodyState>& b) {
   double energy_J = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {
+    if (params.bodies[i].massless) continue;
     const Eigen::Vector3d w_B = a[i].q_WB.conjugate() * (b[i].w_WB - a[i].w_WB);
     energy_J += 0.5 * (params.bodies[i].mass_kg * (b[i].v_WB - a[i].v_WB).squaredNorm() +
                        w_B.dot(params.bodies[i].inertia_B() * w_B));
   }
   return energy_J;
+}
+
+double stand_in_work_J(const Params& params, const std::vector<BodyState>& a,
+                       const std::vector<BodyState>& b, const std::vector<BodyState>& moving) {
+  double work_J = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const BodyParams& body = params.bodies[i];
+    if (!body.massless) continue;
+    work_J += body.mass_kg * (b[i].v_WB - a[i].v_WB).dot(moving[i].v_WB) +
+              body.inertia_kg_m2[0] * (b[i].w_WB - a[i].w_WB).dot(moving[i].w_WB);
+  }
+  return work_J;
 }
 
 Eigen::Vector3d implicit_gyroscopic_torque(const BodyParams& body, const BodyState& state,
@@ -65,7 +78,7 @@ void StepWork::add(const SortedWrenches& wrenches, const std::vector<BodyState>&
 
 void StepWork::book(EnergyBook& book) const {
   book.external_work_J += driven_J + motors_J;
-  book.interface_work_J += interface_J;
+  book.interface_work_J += interface_J - stand_in_J;
   book.damping_loss_J -= viscous_J;
   book.numerical_loss_J += kinetic_loss_J - gyroscopic_J - (elastic_J + stored_change_J) -
                            (reactions_J - motors_J) + (interface_J - ports_J);

@@ -25,9 +25,17 @@ struct SortedWrenches {
 [[nodiscard]] double work_J(const std::vector<BodyWrench>& wrenches,
                             const std::vector<BodyState>& moving, double h_s);
 
-/// Σ ½ m |v_b − v_a|² + ½ (w_b − w_a)·I (w_b − w_a), I in the poses of `a` (J).
+/// Σ ½ m |v_b − v_a|² + ½ (w_b − w_a)·I (w_b − w_a), I in the poses of `a`, of bodies with mass
+/// (J).
 [[nodiscard]] double velocity_change_J(const Params& params, const std::vector<BodyState>& a,
                                        const std::vector<BodyState>& b);
+
+/// Work (J) that the inertia takes which stands in for that of junctions, whose velocities go from
+/// those of `a` to those of `b` in a step that moves them with those of `moving`:
+///   Σ m (v_b − v_a)·v + I (w_b − w_a)·w.
+[[nodiscard]] double stand_in_work_J(const Params& params, const std::vector<BodyState>& a,
+                                     const std::vector<BodyState>& b,
+                                     const std::vector<BodyState>& moving);
 
 /// The gyroscopic torque of a dWorldStep that makes it implicit [Lacoursière 2006]:
 ///   τ = I (w̃ − w)/h,   I w̃ + h w̃ × I w = I w.
@@ -51,6 +59,7 @@ struct StepWork {
   double kinetic_loss_J = 0.0;  ///< ½ |v⁺ − v|²_M, or ½ |u − v|²_M − ½ |v⁺ − u|²_M
   double stored_change_J = 0.0;  ///< of the springs
   double interface_J = 0.0;      ///< of the port wrenches in the port motions
+  double stand_in_J = 0.0;       ///< of that, what junctions' stand-in inertias have taken
 
   /// Adds the works of one dWorldStep, forces to the `share`: reactions are those of the whole h.
   void add(const SortedWrenches& wrenches, const std::vector<BodyState>& moving, double h_s,

@@ -2,16 +2,22 @@
 # Prints the scenario of a chain of N flexible links, hinged to each other and to the world, that is released
 # horizontal and swings:   examples/chain_of_links/make.sh 8 > examples/chain_of_links/chain8.yaml
 # Every link is a flexible body in a process of its own; its ends are bonded to small rigid blocks that carry the
-# hinges. The links lie along x and swing about y.
+# hinges, or, with   make.sh 8 junctions   , to frames without mass: ideal hinges between flexible bodies.
+# The links lie along x and swing about y.
 set -eu
 links=${1:-2}
+ends=${2:-blocks}
+case $ends in
+  blocks | junctions) ;;
+  *) echo "make.sh: '$ends' is neither blocks nor junctions. Say, for example: make.sh 4 junctions" >&2; exit 2 ;;
+esac
 case $links in
   '' | *[!0-9]* | 0) echo "make.sh: '$links' is no number of links. Say, for example: make.sh 4" >&2; exit 2 ;;
 esac
 
 cat <<EOF
 # yaml-language-server: \$schema=../../docs/scenario.schema.json
-# A chain of $links flexible links, released horizontal. Made by: make.sh $links
+# A chain of $links flexible links, released horizontal. Made by: make.sh $links $ends
 name: chain_of_$links
 description: $links flexible links on hinges, released horizontal at rest under gravity.
 
@@ -35,14 +41,16 @@ cat <<EOF
 
 mbs:
   gravity_m_per_s2: [0, 0, -9.81]
-  bodies:
 EOF
+[ "$ends" = blocks ] && echo "  bodies:" || echo "  junctions:"
 link=1
 while [ "$link" -le "$links" ]; do
   for end in root tip; do
     [ $end = root ] && hinge=$((link - 1)) || hinge=$link
     x=$(awk "BEGIN { print 0.3 * $hinge }")
-    echo "    - {name: $end$link, mass_kg: 0.05, inertia_kg_m2: [2.0e-5, 2.0e-5, 2.0e-5], position_m: [$x, 0, 0]}"
+    own=""
+    [ "$ends" = blocks ] && own=", mass_kg: 0.05, inertia_kg_m2: [2.0e-5, 2.0e-5, 2.0e-5]"
+    echo "    - {name: $end$link$own, position_m: [$x, 0, 0]}"
   done
   link=$((link + 1))
 done

@@ -166,12 +166,15 @@ Advice advise(const LoadTrial& load, const AdviseOptions& options) {
                 .step_s = to_seconds(model.run.macro_step),
                 .accuracy = options.accuracy,
                 .prediction = model.coupling.prediction,
-                .prediction_name = model.scenario.root.section("coupling").text("prediction")};
+                .prediction_name = model.scenario.root.section("coupling").text("prediction"),
+                .junctions = has_junctions(model)};
   advice.ratios = ratios_over_step(load, advice.step_s);
   advice.at_step = *std::find_if(advice.ratios.begin(), advice.ratios.end(),
                                  [&](const auto& r) { return r.step_s >= advice.step_s; });
-  advice.limit = explicit_limit(load, advice.ratios, advice.prediction, options.folder,
-                                start_s + kLimitPart * options.most_s);
+  if (!advice.junctions) {
+    advice.limit = explicit_limit(load, advice.ratios, advice.prediction, options.folder,
+                                  start_s + kLimitPart * options.most_s);
+  }
   advice.trials = run_trials(load, model,
                              trial_options(advice, options, start_s + kTrialPart * options.most_s));
   advice.contenders = contenders_of(model, advice, length_s);

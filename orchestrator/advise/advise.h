@@ -36,6 +36,7 @@ struct Advice {
   InterfaceRatios at_step;              ///< the one at the scenario's H
   Prediction prediction = Prediction::Linear;
   std::string prediction_name;
+  bool junctions = false;  ///< frames without mass: no explicit scheme takes them
   ExplicitLimit limit;
   Trials trials;
   std::vector<Contender> contenders;  ///< as the trials promise them

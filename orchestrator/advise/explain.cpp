@@ -29,6 +29,12 @@ std::string limit_reason(const Advice& advice) {
 }
 
 void explain_coupling(Advice& advice) {
+  if (advice.junctions) {
+    advice.reasons.emplace_back(
+        "mbs.junctions have no mass: schemes that do not iterate are out of the question, and the "
+        "ratios of masses at their ports are those of what stands in for it");
+    return;
+  }
   const double kappa = advice.at_step.coupling_ratio();
   advice.reasons.push_back(fmt::format(
       "at H = {} s one evaluation of both sides multiplies an error of the wrench by {:.3g} (the "

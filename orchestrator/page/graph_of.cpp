@@ -30,7 +30,8 @@ class Drawing {
     first_rigid_ = graph_.nodes.size();
     for (const mbs::BodyParams& body : params_.bodies) {
       graph_.nodes.push_back(
-          {Graph::Part::Rigid, body.name, fmt::format("{:.3g} kg", body.mass_kg)});
+          {Graph::Part::Rigid, body.name,
+           body.massless ? "massless junction" : fmt::format("{:.3g} kg", body.mass_kg)});
     }
     first_flexible_ = graph_.nodes.size();
     for (const scenario::FlexibleBody& body : model_.bodies) {

@@ -90,7 +90,24 @@ void check_adaptive(const Model& model) {
   }
 }
 
+/// A junction has no mass that could follow a wrench which is predicted.
+void check_junctions(const Model& model) {
+  if (!has_junctions(model)) return;
+  const SchemeKind scheme = model.coupling.scheme;
+  if (scheme == SchemeKind::InterfaceNewton || scheme == SchemeKind::Implicit) return;
+  model.scenario.root.section("coupling")
+      .fail("scheme",
+            fmt::format("{} steps with wrenches that are not in balance, and mbs.junctions "
+                        "have no mass to take what is left. Use interface_jacobian or "
+                        "implicit.",
+                        to_string(scheme)));
+}
+
 }  // namespace
+
+bool has_junctions(const Model& model) {
+  return model.scenario.root.section("mbs").has("junctions");
+}
 
 Model load_model(const std::filesystem::path& file,
                  const std::vector<scenario::Override>& overrides) {
@@ -104,6 +121,7 @@ Model load_model(const std::filesystem::path& file,
   model.table = scenario::body_table(root);
   model.bodies = scenario::flexible_bodies(root);
   check_adaptive(model);
+  check_junctions(model);
   model.wire = read_wire(root);
   for (const scenario::PortParams& port : scenario::read_ports(root)) {
     model.port_names.push_back(port.name);

@@ -27,6 +27,9 @@ struct Model {
   std::vector<scenario::Override> chosen;  ///< what the scenario left open, see chosen_settings()
 };
 
+/// Whether some of its frames have no mass: those need a scheme that iterates.
+[[nodiscard]] bool has_junctions(const Model& model);
+
 /// The model as if this body were the only flexible one; itself where it is.
 [[nodiscard]] Model part_of(const Model& model, std::size_t body);
 

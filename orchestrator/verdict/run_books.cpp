@@ -29,7 +29,9 @@ std::vector<std::string> port_bodies(const Model& model) {
 
 double lightest_kg(const Model& model, const std::vector<std::string>& names) {
   double lightest = std::numeric_limits<double>::infinity();
-  for (const scenario::Node& body : model.scenario.root.section("mbs").list("bodies")) {
+  const scenario::Node mbs = model.scenario.root.section("mbs");
+  if (!mbs.has("bodies")) return 0.0;
+  for (const scenario::Node& body : mbs.list("bodies")) {
     if (std::find(names.begin(), names.end(), body.text("name")) == names.end()) continue;
     lightest = std::min(lightest, body.real("mass_kg"));
   }

@@ -39,6 +39,7 @@ std::vector<Finding> warnings_of(const Model& model, const mbs::Params& params,
     all = warnings_of(root, *body);
     add(far_ports(root, *body, origins), all);
     add(unstable_verlet(model, params, *body), all);
+    add(unlike_stand_in(model, params, *body), all);
   } else if (root.section("fem").text("model") == "ancf") {
     add(implausible_chain_material(root), all);
   }

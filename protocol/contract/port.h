@@ -26,6 +26,18 @@ struct Wrench {
 using MotionSet = std::vector<Motion>;
 using WrenchSet = std::vector<Wrench>;
 
+/// The inertia that stands in for that of a body without any, so that its multibody side can make a
+/// step of it, and how the side integrates: see CounterInertia, which takes it away again.
+struct StandInInertia {
+  double mass_kg = 0.0;        ///< 0: the port's body has its own inertia
+  double inertia_kg_m2 = 0.0;  ///< the same about all axes through Po
+  /// Weights of the velocity's update: v⁺ = v + h ((1 − γ) a + γ a⁺) with
+  /// (1 − α_m) a⁺ + α_m a = ((1 − α_f) λ⁺ + α_f λ) / m.
+  double gamma = 1.0;
+  double alpha_m = 0.0;
+  double alpha_f = 0.0;
+};
+
 /// What a side knows of one port.
 struct PortInfo {
   std::string name;
@@ -35,6 +47,8 @@ struct PortInfo {
   /// Which of several flexible bodies holds it, counted from 0: a body's ports feel each other
   /// alone.
   std::int32_t body = 0;
+  /// The multibody side says it of one port of each body that has no mass of its own.
+  StandInInertia stand_in = {};
 };
 
 /// λ as one vector, 6 per port: [f_x f_y f_z t_x t_y t_z | …].

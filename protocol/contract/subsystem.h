@@ -47,7 +47,10 @@ struct StepResult {
   Outcome outcome = Outcome::Failed;
   std::string message = "advance was not called";  ///< empty when Done
   Out output;                                      ///< at the end of the step
-  std::optional<InterfaceJacobian> jacobian;       ///< when asked for and possible
+  /// What of it is the side's own where more was put into it (CounterInertia): what tolerances are
+  /// relative to. Empty: all of it.
+  Out own;
+  std::optional<InterfaceJacobian> jacobian;  ///< when asked for and possible
   /// Norm of what the side's own solver has left of its equations, in the unit of the output's
   /// forces (N): the output is known to about this. 0: to round-off.
   double output_error_N = 0.0;

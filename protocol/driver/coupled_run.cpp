@@ -11,6 +11,7 @@
 #include "protocol/contract/hash.h"
 #include "protocol/driver/journaled_side.h"
 #include "protocol/schemes/alternation.h"
+#include "protocol/schemes/counter_inertia.h"
 #include "protocol/schemes/divergence_monitor.h"
 #include "protocol/schemes/evaluation.h"
 #include "protocol/schemes/step_controller.h"
@@ -77,7 +78,9 @@ class CoupledRun {
         metered_mbs_(mbs.side, mbs.locality, mbs_meter_),
         metered_fem_(fem.side, fem.locality, fem_meter_),
         mbs_(metered_mbs_, journal_, dynamic_cast<const wire::TimedCalls*>(&mbs.side)),
-        fem_(metered_fem_, journal_, dynamic_cast<const wire::TimedCalls*>(&fem.side)),
+        journaled_fem_(metered_fem_, journal_, dynamic_cast<const wire::TimedCalls*>(&fem.side)),
+        counter_(counter_inertia(mbs.side.info().ports)),
+        fem_(counter_ ? static_cast<FemSide&>(*counter_) : journaled_fem_),
         scheme_(params.make_scheme(ports_)),
         monitor_(params.coupling.divergence_growth, ports_),
         alternation_(ports_),
@@ -104,6 +107,11 @@ class CoupledRun {
   }
 
  private:
+  std::optional<CounterInertia> counter_inertia(const std::vector<PortInfo>& ports) {
+    if (!CounterInertia::needed(ports)) return std::nullopt;
+    return std::optional<CounterInertia>(std::in_place, journaled_fem_, ports);
+  }
+
   void require_same_ports(const std::vector<PortInfo>& mbs_ports) const {
     const bool same =
         std::equal(ports_.begin(), ports_.end(), mbs_ports.begin(), mbs_ports.end(),
@@ -205,7 +213,7 @@ class CoupledRun {
 
   static double exchanged_J(SimTime H, const MacroStepEnd& end) {
     if (end.outcome == Outcome::Failed) return 0.0;
-    return to_seconds(H) * std::abs(interface_power_W(end.wrenches, end.motions));
+    return to_seconds(H) * std::abs(interface_power_W(end.of_bodies(), end.motions));
   }
 
   /// Turns the end of a macro step into the run's status: diverged, not converged, failed, or go
@@ -282,6 +290,7 @@ class CoupledRun {
     report_.book_turn(state_.time - state_.history.front().time, state_.motions, end.motions);
     state_.motions = end.motions;
     state_.wrenches = end.wrenches;
+    state_.own = end.own;
     alternation_.add(state_);
     look();
   }
@@ -309,7 +318,8 @@ class CoupledRun {
     for (std::size_t i = 0; i < ports_.size(); ++i) {
       size_m = std::max(size_m, end.motions[i].p_WP.norm() + ports_[i].length_m);
     }
-    largest_moment_J_ = std::max(largest_moment_J_, size_m * wrench_norm_N(end.wrenches, ports_));
+    largest_moment_J_ =
+        std::max(largest_moment_J_, size_m * wrench_norm_N(end.of_bodies(), ports_));
   }
 
   /// What the iterations have left; the residual of the others is no error.
@@ -317,7 +327,7 @@ class CoupledRun {
     const SchemeKind scheme = params_.coupling.scheme;
     if (scheme != SchemeKind::InterfaceNewton && scheme != SchemeKind::Implicit) return;
     report_.residual_max_N = std::max(report_.residual_max_N, end.residual_N);
-    report_.wrench_max_N = std::max(report_.wrench_max_N, wrench_norm_N(end.wrenches, ports_));
+    report_.wrench_max_N = std::max(report_.wrench_max_N, wrench_norm_N(end.of_bodies(), ports_));
   }
 
   [[nodiscard]] bool observes_at(std::int64_t macro_step) const {
@@ -381,7 +391,7 @@ class CoupledRun {
     report_.still_J = kStill * largest_moment_J_;
     if (report_.status == RunStatus::Done) judge_energy();
     report_.motions = state_.motions;
-    report_.wrenches = state_.wrenches;
+    report_.wrenches = state_.of_bodies();
   }
 
   const CoupledRunParams& params_;
@@ -392,7 +402,9 @@ class CoupledRun {
   MeteredSide<WrenchSet, MotionSet> metered_mbs_;
   MeteredSide<MotionSet, WrenchSet> metered_fem_;
   wire::JournaledMbs mbs_;
-  wire::JournaledFem fem_;
+  wire::JournaledFem journaled_fem_;
+  std::optional<CounterInertia> counter_;  ///< of junctions
+  FemSide& fem_;
   std::unique_ptr<Scheme> scheme_;
   DivergenceMonitor monitor_;
   Alternation alternation_;

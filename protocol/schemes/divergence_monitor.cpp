@@ -45,7 +45,7 @@ std::optional<Divergence> DivergenceMonitor::check(SimTime H, const MacroStepEnd
       std::max(end.residual_N, std::exchange(last_residual_N_, end.residual_N));
   const MotionSet last_motions = std::exchange(last_motions_, end.motions);
   const bool still = last_motions.empty() || keeps_its_motion(H, last_motions, end.motions, ports_);
-  if (still || residual_N <= 0.5 * wrench_norm_N(end.wrenches, ports_)) {
+  if (still || residual_N <= 0.5 * wrench_norm_N(end.of_bodies(), ports_)) {
     streak_ = 0;
     return std::nullopt;
   }

@@ -83,7 +83,8 @@ Evaluation joined(const StepResult<MotionSet>& mbs, const StepResult<WrenchSet>&
   evaluation.wrenches = fem.output;
   evaluation.residual = stack(fem.output) - stack(lambda);
   evaluation.residual_N = wrench_norm_N(unstack_wrenches(evaluation.residual), ports);
-  evaluation.wrench_N = wrench_norm_N(fem.output, ports);
+  evaluation.own = fem.own;
+  evaluation.wrench_N = wrench_norm_N(fem.own.empty() ? fem.output : fem.own, ports);
   evaluation.output_error_N = fem.output_error_N;
   return evaluation;
 }
@@ -129,6 +130,16 @@ Evaluation evaluate_first(SimTime H, const InterfaceState& state, const WrenchSe
   return evaluation;
 }
 
+bool led_astray(SimTime H, const MotionSet& expected, const MotionSet& motions) {
+  constexpr double kAstray_rad = 1.0;
+  for (std::size_t p = 0; p < motions.size(); ++p) {
+    // Written so that a motion that is no number is.
+    const double turn_rad = to_seconds(H) * (motions[p].w_WP - expected[p].w_WP).norm();
+    if (!(turn_rad <= kAstray_rad)) return true;
+  }
+  return false;
+}
+
 Eigen::VectorXd newton_residual(const Evaluation& evaluation, const InterfaceJacobian& fem) {
   if (!evaluation.apart) return evaluation.residual;
   return evaluation.residual + fem * difference(evaluation.seen, evaluation.motions);
@@ -161,6 +172,7 @@ MacroStepEnd end_of(const Evaluation& evaluation, const WrenchSet& applied,
           .message = evaluation.message,
           .motions = evaluation.motions,
           .wrenches = evaluation.wrenches,
+          .own = evaluation.own,
           .applied = applied,
           .iterations = iterations,
           .residual_N = evaluation.residual_N};

@@ -16,9 +16,10 @@ struct Evaluation {
   MotionSet motions;  ///< M(λ)
   MotionSet seen;     ///< m̂ that the flexible side was shown: M(λ) unless that is far out
   WrenchSet wrenches;
+  WrenchSet own;                ///< of them, what the flexible bodies exert; empty: all
   Eigen::VectorXd residual;     ///< Λ(m̂) − λ, stacked
   double residual_N = 0.0;      ///< its scaled norm
-  double wrench_N = 0.0;        ///< scaled norm of Λ(m̂)
+  double wrench_N = 0.0;        ///< scaled norm of Λ(m̂), of what is the bodies' own
   double output_error_N = 0.0;  ///< of Λ(m̂), as the flexible side says
   bool apart = false;           ///< m̂ is not M(λ): no end of a macro step
   InterfaceJacobian mbs_jacobian;
@@ -49,6 +50,12 @@ struct Linearize {
 
 /// Angle (rad), and part of the port's length, from which on it is.
 constexpr double kFarOut = 1e-3;
+
+/// Whether an iterate has led a port astray: turned it by more than a radian away from `expected`.
+/// Attitudes repeat after a full turn, so r(λ) = 0 has further solutions there, in which the sides
+/// meet again after some turns within one step. A search that sees one keeps it, and the run goes
+/// on with a thousandfold energy. By the velocities at the end of the step, which do not repeat.
+[[nodiscard]] bool led_astray(SimTime H, const MotionSet& expected, const MotionSet& motions);
 
 /// r(λ) of Newton's step δλ = (I − L B)⁻¹ r: Λ(m̂) + L (M(λ) − m̂) − λ.
 [[nodiscard]] Eigen::VectorXd newton_residual(const Evaluation& evaluation,

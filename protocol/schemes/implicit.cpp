@@ -147,7 +147,7 @@ Implicit::Implicit(const CouplingParams& params, std::vector<PortInfo> ports)
 MacroStepEnd Implicit::advance(SimTime H, const InterfaceState& state, MbsSide& mbs, FemSide& fem) {
   const bool accepted = begun_ && state.time > *begun_;
   begun_ = state.time;
-  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
+  floor_.begin_step(wrench_norm_N(state.of_bodies(), ports_));
   if (params_.iteration == Iteration::Parallel) return in_parallel(H, state, accepted, mbs, fem);
   return in_turn(H, state, accepted, mbs, fem);
 }

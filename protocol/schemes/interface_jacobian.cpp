@@ -16,13 +16,13 @@ namespace {
 /// Evaluations with kept Jacobians after which both sides are linearised anew, at the present
 /// iterate: a contact or a limit has switched, or the blocks are too old. Not while an evaluation
 /// still lowers the residual to a small part.
-constexpr std::int32_t kPatience = 4;
-constexpr double kFast = 0.1;
+constexpr std::int32_t kKeptEvaluations = 4;
+constexpr double kFastEvaluation = 0.1;
 /// A residual above this part of the wrench after the second evaluation says that the blocks are
 /// not those of this step: further steps with them may lead to another solution.
-constexpr double kLarge = 1e-2;
+constexpr double kLargeResidual = 1e-2;
 
-std::string remedy_for(double residual_N, double round_off_N, double solver_N) {
+std::string newton_remedy_for(double residual_N, double round_off_N, double solver_N) {
   if (auto remedy = solver_remedy(residual_N, round_off_N, solver_N)) return std::move(*remedy);
   if (looks_like_round_off(residual_N, round_off_N)) {
     return fmt::format(
@@ -34,7 +34,7 @@ std::string remedy_for(double residual_N, double round_off_N, double solver_N) {
          "rotation per step): lower run.macro_step_s or raise coupling.max_iterations.";
 }
 
-MacroStepEnd not_converged(MacroStepEnd end, double limit_N, const std::string& remedy) {
+MacroStepEnd newton_not_converged(MacroStepEnd end, double limit_N, const std::string& remedy) {
   end.outcome = Outcome::NotConverged;
   end.message =
       fmt::format("interface_jacobian: ‖r‖ = {:.3g} N after {} iterations, limit {:.3g} N. {}",
@@ -78,7 +78,8 @@ InterfaceJacobianScheme::InterfaceJacobianScheme(const CouplingParams& params,
 MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& state, MbsSide& mbs,
                                               FemSide& fem) {
   NewtonPath path(predict_wrenches(params_.prediction, state, H));
-  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
+  floor_.begin_step(wrench_norm_N(state.of_bodies(), ports_));
+  const MotionSet expected = predict_motions(params_.motion_prediction, state, H);
   fem_blocks_.turn_with(state.motions);
   Linearize linearize{.mbs = mbs_block_.begin_step(H),
                       .fem = fem_blocks_.begin_step(H, micro_steps_of(fem, H))};
@@ -95,6 +96,11 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
                                    : evaluate(H, state, lambda, linearize, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
+    if (k < params_.max_iterations && !evaluation.apart &&
+        led_astray(H, expected, evaluation.motions) && path.turns_back_from_astray()) {
+      linearize.mbs = linearize.fem = path.linearise();
+      continue;
+    }
     changed |= linearize.mbs || linearize.fem;
     fresh |= linearize.fem;
     if (k > 1) {
@@ -126,9 +132,9 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
       }
     }
     if (k == params_.max_iterations) {
-      const std::string remedy =
-          remedy_for(end.residual_N, std::max(round_off_N, pose_N), evaluation.output_error_N);
-      return not_converged(std::move(end), limit_N, remedy);
+      const std::string remedy = newton_remedy_for(end.residual_N, std::max(round_off_N, pose_N),
+                                                   evaluation.output_error_N);
+      return newton_not_converged(std::move(end), limit_N, remedy);
     }
     const double last_N = path.residual_N();
     if (path.turns_back(end.residual_N)) {
@@ -144,9 +150,9 @@ MacroStepEnd InterfaceJacobianScheme::advance(SimTime H, const InterfaceState& s
     }
     if (linearize.fem) path.linearised(end.residual_N);
     path.go(newton_matrix.solve(residual), end.residual_N);
-    const bool slow = k > 1 && end.residual_N > kFast * last_N;
-    const bool lost = slow && !fresh && end.residual_N > kLarge * evaluation.wrench_N;
-    linearize.mbs = linearize.fem = lost || (slow && (!patient || k % kPatience == 0));
+    const bool slow = k > 1 && end.residual_N > kFastEvaluation * last_N;
+    const bool lost = slow && !fresh && end.residual_N > kLargeResidual * evaluation.wrench_N;
+    linearize.mbs = linearize.fem = lost || (slow && (!patient || k % kKeptEvaluations == 0));
     last = std::move(evaluation);
   }
 }

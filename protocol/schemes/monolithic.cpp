@@ -59,7 +59,8 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
   double round_off_N = 0.0, pose_N = 0.0;
   double smallest_N = std::numeric_limits<double>::infinity();
   bool linearize = true;
-  floor_.begin_step(wrench_norm_N(state.wrenches, ports_));
+  floor_.begin_step(wrench_norm_N(state.of_bodies(), ports_));
+  const MotionSet expected = predict_motions(Prediction::Linear, state, H);
   for (std::int32_t k = 1;; ++k) {
     if (k > 1) roll_back(mbs, fem);
     const WrenchSet lambda = path.lambda();
@@ -69,6 +70,11 @@ MacroStepEnd MonolithicStep::advance(SimTime H, const InterfaceState& state, Mbs
                : evaluate(H, state, lambda, both, mbs, fem, ports_);
     MacroStepEnd end = end_of(evaluation, lambda, k);
     if (end.outcome == Outcome::Failed || !std::isfinite(end.residual_N)) return end;
+    if (k < kMostIterations && !evaluation.apart && led_astray(H, expected, evaluation.motions) &&
+        path.turns_back_from_astray()) {
+      linearize = path.linearise();
+      continue;
+    }
     if (linearize) {
       coupled.compute(coupled_matrix(evaluation.mbs_jacobian, evaluation.fem_jacobian));
       round_off_N = wrench_round_off_N(evaluation.seen, evaluation.fem_jacobian, ports_);

@@ -9,6 +9,9 @@ namespace {
 /// Growth of the residual in one step that is not gone on from.
 constexpr double kBlownUp = 10.0;
 
+/// Halved so often, a step is below a hundredth.
+constexpr std::int32_t kMostTurns = 8;
+
 /// What a whole step has to leave of the residual at most, or the next one is halved.
 constexpr double kRound = 0.5;
 
@@ -21,6 +24,13 @@ bool NewtonPath::turns_back(double residual_N) {
   if (linearised_there_) part_ *= 0.5;
   lambda_ = linearise_ ? last_ : unstack_wrenches(stack(last_) + part_ * delta_);
   return true;
+}
+
+bool NewtonPath::turns_back_from_astray() {
+  const bool begun = std::isfinite(residual_N_);
+  if (!begun || astray_ == kMostTurns) return false;
+  ++astray_;
+  return turns_back(std::numeric_limits<double>::infinity());
 }
 
 void NewtonPath::linearised(double residual_N) {

@@ -32,6 +32,10 @@ class NewtonPath {
   [[nodiscard]] bool turns_back(double residual_N);
   [[nodiscard]] bool linearise() const { return linearise_; }
 
+  /// As where a residual has blown up. There may be no other solution than one that turns a port by
+  /// so much, so this is done kMostTurns times in a macro step. True: lambda() is another one.
+  [[nodiscard]] bool turns_back_from_astray();
+
   /// Both sides have been linearised at lambda(), whose residual this is.
   void linearised(double residual_N);
   /// Goes on by Newton's step δλ.
@@ -46,6 +50,7 @@ class NewtonPath {
   double residual_N_ = std::numeric_limits<double>::infinity();
   double linearised_N_ = std::numeric_limits<double>::infinity();
   std::int32_t steps_ = 0;         ///< since the last linearisation
+  std::int32_t astray_ = 0;        ///< ports have been led astray so often
   bool linearised_here_ = false;   ///< at lambda()
   bool linearised_there_ = false;  ///< at last()
   bool linearise_ = false;

@@ -22,7 +22,11 @@ struct InterfaceState {
   SimTime time{};
   MotionSet motions;                     ///< m_n
   WrenchSet wrenches;                    ///< λ_n
+  WrenchSet own;                         ///< of them, what the flexible bodies exert; empty: all
   std::vector<InterfaceSample> history;  ///< at t_{n−1}, t_{n−2}: as far as there are any
+
+  /// The flexible bodies' wrenches.
+  [[nodiscard]] const WrenchSet& of_bodies() const { return own.empty() ? wrenches : own; }
 };
 
 /// [v_WP | w_WP] of all ports, 6 per port.

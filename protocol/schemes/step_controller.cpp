@@ -104,7 +104,7 @@ bool StepController::swings_up(SimTime H, const MacroStepEnd& end,
                                const InterfaceState& begin) const {
   const double before_J = std::max(created_J_[0], created_J_[1]);
   return explicit_ && before_J > 0.0 && !keeps_its_motion(H, begin.motions, end.motions, ports_) &&
-         end.residual_N > 0.5 * wrench_norm_N(end.wrenches, ports_) &&
+         end.residual_N > 0.5 * wrench_norm_N(end.of_bodies(), ports_) &&
          created_J(H, end) > kMostSwing * before_J;
 }
 
@@ -124,7 +124,7 @@ bool StepController::accepts(SimTime H, const MacroStepEnd& end, const Interface
   const bool known =
       end.outcome != Outcome::Failed && all_finite(end.motions) && all_finite(end.wrenches);
   if (known) {
-    largest_wrench_N = std::max(largest_wrench_N, wrench_norm_N(end.wrenches, ports_));
+    largest_wrench_N = std::max(largest_wrench_N, wrench_norm_N(end.of_bodies(), ports_));
     ratio = ratio_of(H, end, begin, largest_wrench_N);
     if (end.outcome == Outcome::NotConverged || swings_up(H, end, begin))
       ratio = std::max(ratio, 2.0);

@@ -202,6 +202,11 @@ Bytes encode(const Handshake& handshake) {
   for (const PortInfo& port : handshake.ports) {
     names += port.name + "\n";
     packed.port_length_m.push_back(port.length_m);
+    packed.stand_in_mass_kg.push_back(port.stand_in.mass_kg);
+    packed.stand_in_inertia_kg_m2.push_back(port.stand_in.inertia_kg_m2);
+    packed.stand_in_gamma.push_back(port.stand_in.gamma);
+    packed.stand_in_alpha_m.push_back(port.stand_in.alpha_m);
+    packed.stand_in_alpha_f.push_back(port.stand_in.alpha_f);
   }
   packed.tandem_version = pack(handshake.tandem_version);
   packed.port_names = pack(names);
@@ -214,7 +219,7 @@ Bytes encode(const Handshake& handshake) {
 }
 
 std::optional<Handshake> decode_handshake(ByteView message) {
-  const auto packed = from_bytes(message, tandem_wire::handshake_t{}, {1, 1, 8, 1});
+  const auto packed = from_bytes(message, tandem_wire::handshake_t{}, {1, 1, 48, 1});
   if (!packed) return std::nullopt;
   Handshake handshake;
   handshake.header = unpack(packed->header);
@@ -222,8 +227,14 @@ std::optional<Handshake> decode_handshake(ByteView message) {
   handshake.tandem_version = unpack(packed->tandem_version);
   handshake.scenario_hash = static_cast<std::uint64_t>(packed->scenario_hash);
   std::istringstream names(unpack(packed->port_names));
-  for (const double length_m : packed->port_length_m) {
-    PortInfo port{.name = {}, .length_m = length_m};
+  for (std::size_t p = 0; p < packed->port_length_m.size(); ++p) {
+    PortInfo port{.name = {},
+                  .length_m = packed->port_length_m[p],
+                  .stand_in = {.mass_kg = packed->stand_in_mass_kg[p],
+                               .inertia_kg_m2 = packed->stand_in_inertia_kg_m2[p],
+                               .gamma = packed->stand_in_gamma[p],
+                               .alpha_m = packed->stand_in_alpha_m[p],
+                               .alpha_f = packed->stand_in_alpha_f[p]}};
     if (!std::getline(names, port.name)) return std::nullopt;
     handshake.ports.push_back(port);
   }

@@ -13,7 +13,7 @@
 namespace tandem::wire {
 
 /// Number of the wire format; both ends of a handshake compare it.
-inline constexpr std::int32_t kProtocolVersion = 8;
+inline constexpr std::int32_t kProtocolVersion = 9;
 
 enum class RequestKind : std::int32_t {
   Initialize = 0,

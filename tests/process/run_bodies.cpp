@@ -14,7 +14,8 @@ namespace tandem::test {
 namespace {
 
 struct Chain {
-  explicit Chain(int links) : scenario(chain_of(links, folder)) {}
+  explicit Chain(int links, const std::string& ends = "blocks")
+      : scenario(chain_of(links, folder, ends)) {}
 
   [[nodiscard]] std::vector<std::string> command(const std::string& name,
                                                  const std::vector<std::string>& more) const {
@@ -47,8 +48,7 @@ Environment disturbed() {
 
 class RunBodies : public testing::TestWithParam<int> {};
 
-TEST_P(RunBodies, HaveTheBitsOfOneProcess) {
-  const Chain chain(GetParam());
+void expect_bits_of_one_process(const Chain& chain) {
   const auto expected = chain.run("inproc", {"--transport", "inproc"});
   ASSERT_TRUE(expected.contains("state_hash"));
   const std::map<std::string, std::pair<std::vector<std::string>, Environment>> ways{
@@ -60,6 +60,31 @@ TEST_P(RunBodies, HaveTheBitsOfOneProcess) {
     const auto summary = chain.run(name, way.first, way.second);
     EXPECT_EQ(summary.value("state_hash", ""), expected.at("state_hash")) << name;
     EXPECT_EQ(summary["iterations"]["total"], expected["iterations"]["total"]) << name;
+  }
+}
+
+TEST_P(RunBodies, HaveTheBitsOfOneProcess) { expect_bits_of_one_process(Chain(GetParam())); }
+
+// Without rigid bodies: hinges between frames that have no mass.
+TEST(RunJunctions, HaveTheBitsOfOneProcess) { expect_bits_of_one_process(Chain(3, "junctions")); }
+
+TEST(RunJunctions, AreReplayedSideBySide) {
+  const Chain chain(2, "junctions");
+  (void)chain.run("run", {});
+  for (const std::string side : {"link1", "link2", "mbs"}) {
+    const Ended replay =
+        tandem_command({"replay", (chain.folder / "run").string(), "--side", side});
+    EXPECT_EQ(replay.code, 0) << side << ": " << replay.output;
+  }
+}
+
+TEST(RunJunctions, AreRefusedByNameWhereNothingIterates) {
+  const Chain chain(1, "junctions");
+  for (const std::string scheme : {"explicit_serial", "explicit_parallel", "tlm"}) {
+    const Ended refused = run_command(chain.command("run", {"--set", "coupling.scheme=" + scheme}));
+    EXPECT_EQ(refused.code, 2) << refused.output;
+    EXPECT_NE(refused.output.find("mbs.junctions have no mass"), std::string::npos)
+        << refused.output;
   }
 }
 

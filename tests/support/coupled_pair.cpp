@@ -117,6 +117,7 @@ RunReport CoupledPair::run(orchestrator::Mode mode, const Observer& observer) {
 Eigen::Vector3d CoupledPair::linear_momentum() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
+    if (mbs_->params().bodies[i].massless) continue;
     sum += mbs_->params().bodies[i].mass_kg * mbs_->state().bodies[i].v_WB;
   }
   for (const fem::FlexibleSide* body : meshed_) {
@@ -130,6 +131,7 @@ Eigen::Vector3d CoupledPair::angular_momentum() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
     const mbs::BodyParams& params = mbs_->params().bodies[i];
+    if (params.massless) continue;
     const mbs::BodyState& body = mbs_->state().bodies[i];
     const Eigen::Matrix3d R_WB = body.q_WB.toRotationMatrix();
     sum += params.mass_kg * body.p_WB.cross(body.v_WB) +

@@ -174,6 +174,37 @@ TEST_F(MbsKeys, FaultsAreReportedWithTheirPlace) {
   }
 }
 
+// Frames without mass come after the bodies, by whose names they are referred to.
+TEST_F(MbsKeys, JunctionsArrive) {
+  const std::string text = R"(name: test
+run: {duration_s: 1, macro_step_s: 1e-3}
+ports: [{name: eye, body: knee, node_set: eye}]
+mbs:
+  junctions:
+    - {name: knee, position_m: [1, 0, 0], velocity_m_per_s: [0, 2, 0], stand_in_mass_kg: 3}
+)";
+  const Params params = read(text);
+  ASSERT_EQ(params.bodies.size(), 1U);
+  const BodyParams& knee = params.bodies[0];
+  EXPECT_TRUE(knee.massless);
+  EXPECT_EQ(knee.p_WB, Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(knee.v_WB, Eigen::Vector3d(0, 2, 0));
+  EXPECT_EQ(knee.mass_kg, 3.0);
+  EXPECT_EQ(knee.inertia_kg_m2[0], 0.01);
+  EXPECT_EQ(port_at(params, knee), 0U);
+  EXPECT_NO_THROW(check(params));
+}
+
+TEST_F(MbsKeys, FaultsOfJunctionsAreReportedWithTheirPlace) {
+  const std::string joints = "  joints:\n    - name: pin";
+  const std::string junction = "  junctions: [{name: knee, position_m: [1, 2, 3]}]\n" + joints;
+  std::string error = error_with(joints, junction);
+  EXPECT_NE(error.find("mbs.junctions.knee.name: no port is on it"), std::string::npos) << error;
+  EXPECT_NE(error.find("scenario.yaml:"), std::string::npos) << error;
+  error = error_with(joints, "  junctions: [{name: rod, position_m: [1, 2, 3]}]\n" + joints);
+  EXPECT_NE(error.find("'rod' is taken by a body"), std::string::npos) << error;
+}
+
 TEST_F(MbsKeys, BodiesCsvReadsBackToTheSameBits) {
   const std::filesystem::path file = folder_ / "bodies.csv";
   State state;

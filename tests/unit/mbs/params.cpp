@@ -135,7 +135,19 @@ TEST(MbsParams, EveryFaultIsNamed) {
          p.ports[0].at_body_frame = false;
          p.ports[0].p_WP.x() = kInfinity;
        },
-       "position_m"}};
+       "position_m"},
+      {[](Params& p) { p.bodies[0].massless = true; }, "junction 'crank': name: no port is on it"},
+      {[](Params& p) {
+         p.bodies[1].massless = true;
+         p.ports[0].at_body_frame = false;
+       },
+       "junction 'rod': position_m: none of its ports (port) stands there"},
+      {[](Params& p) {
+         p.bodies[1].massless = true;
+         p.integrator = IntegratorKind::GeneralisedAlpha;
+         p.micro_step = kMillisecond;
+       },
+       "shorten run.macro_step_s"}};
   for (const Fault& fault : faults) {
     Params params = sound_params();
     fault.spoil(params);
