@@ -74,6 +74,7 @@ RigidWorld::RigidWorld(Params params)
     : params_(checked(std::move(params))),
       loads_(params_),
       rule_(wrench_rule(params_)),
+      junction_rule_(junction_rule(params_)),
       world_(params_),
       gaps_(params_),
       state_(initial_state(params_)),
@@ -95,12 +96,14 @@ RigidWorld::RigidWorld(Params params)
   }
   for (const BodyParams& body : params_.bodies) {
     if (!body.massless) continue;
+    junctions_ = true;
     const bool euler = params_.integrator == IntegratorKind::Euler;
-    info_.ports[port_at(params_, body).value()].stand_in = {.mass_kg = body.mass_kg,
-                                                            .inertia_kg_m2 = body.inertia_kg_m2[0],
-                                                            .gamma = euler ? 1.0 : rule_.gamma,
-                                                            .alpha_m = rule_.alpha_m,
-                                                            .alpha_f = rule_.alpha_f};
+    info_.ports[port_at(params_, body).value()].stand_in = {
+        .mass_kg = body.mass_kg,
+        .inertia_kg_m2 = body.inertia_kg_m2[0],
+        .gamma = euler ? 1.0 : junction_rule_.gamma,
+        .alpha_m = junction_rule_.alpha_m,
+        .alpha_f = junction_rule_.alpha_f};
   }
 }
 
@@ -281,16 +284,30 @@ void RigidWorld::euler_step(State& state, double h_s, const WrenchSet& wrenches,
   work->stand_in_J = stand_in_work_J(params_, before, state.bodies, state.bodies);
 }
 
+template <class Make>
+WrenchSet RigidWorld::by_rule(const Make& make) const {
+  WrenchSet wrenches = make(rule_);
+  if (!junctions_) return wrenches;
+  const WrenchSet of_junctions = make(junction_rule_);
+  for (std::size_t p = 0; p < ports_.size(); ++p) {
+    if (params_.bodies[ports_[p].body].massless) wrenches[p] = of_junctions[p];
+  }
+  return wrenches;
+}
+
 void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches,
                              StepWork* work) {
   const double t_s = to_seconds(state.time);
-  const bool filters = params_.integrator == IntegratorKind::GeneralisedAlpha;
+  const bool filters = params_.integrator == IntegratorKind::GeneralisedAlpha || junctions_;
   const WrenchSet before = filters && !state.filtered.empty() ? state.filtered : wrenches.begin;
-  const WrenchSet after = rule_.filtered(before, wrenches.begin, wrenches.end);
+  const WrenchSet after = by_rule(
+      [&](const WrenchRule& rule) { return rule.filtered(before, wrenches.begin, wrenches.end); });
   if (filters) state.filtered = after;
   const std::vector<BodyState> begin = state.bodies;
   const MotionSet motions = work == nullptr ? MotionSet{} : motions_of(state);
-  half_kick(state, t_s, h_s, rule_.first_half(before, after), begin, Half::First);
+  const WrenchSet first =
+      by_rule([&](const WrenchRule& rule) { return rule.first_half(before, after); });
+  half_kick(state, t_s, h_s, first, begin, Half::First);
   track_coordinates(state, h_s);
   const std::vector<BodyState> middle = state.bodies;
   if (work != nullptr) {
@@ -303,7 +320,9 @@ void RigidWorld::verlet_step(State& state, double h_s, const Segment<WrenchSet>&
     state.bodies[i].v_WB = 2.0 * middle[i].v_WB - begin[i].v_WB;
     state.bodies[i].w_WB = 2.0 * middle[i].w_WB - begin[i].w_WB;
   }
-  half_kick(state, t_s + h_s, h_s, rule_.second_half(before, after), middle, Half::Second);
+  const WrenchSet second =
+      by_rule([&](const WrenchRule& rule) { return rule.second_half(before, after); });
+  half_kick(state, t_s + h_s, h_s, second, middle, Half::Second);
   // The second half changes velocities alone.
   for (std::size_t i = 0; i < begin.size(); ++i) {
     state.bodies[i].p_WB = middle[i].p_WB;

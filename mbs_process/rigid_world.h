@@ -101,6 +101,9 @@ class RigidWorld final : public MbsSide {
   [[nodiscard]] std::string grown(std::size_t body, SimTime t) const;
   /// The poses, velocities and works at the end of a micro step; throws OdeFault.
   void euler_step(State& state, double h_s, const WrenchSet& wrenches, StepWork* work);
+  /// By the port's body's rule, `make(rule)` of all ports: that of junctions where it is one.
+  template <class Make>
+  [[nodiscard]] WrenchSet by_rule(const Make& make) const;
   void verlet_step(State& state, double h_s, const Segment<WrenchSet>& wrenches, StepWork* work);
   enum class Half { First, Second };
   /// One dWorldStep of a Verlet step from `bodies` with the forces of `state` at t_s; what acted is
@@ -135,6 +138,7 @@ class RigidWorld final : public MbsSide {
   std::vector<Port> ports_;
   Loads loads_;
   WrenchRule rule_;
+  WrenchRule junction_rule_;
   OdeWorld world_;
   JointGaps gaps_;
   std::vector<JointGeometry> joints_;
@@ -142,7 +146,8 @@ class RigidWorld final : public MbsSide {
   bool recording_ = false;
   std::vector<Kick> kicks_;  ///< of the last macro step that was recorded
   int probed_columns_ = 0;
-  SortedWrenches sorted_;  ///< of the present dWorldStep
+  bool junctions_ = false;  ///< whether any body is one
+  SortedWrenches sorted_;   ///< of the present dWorldStep
   State state_;
   State saved_;
   AcceptedStateSink sink_;

@@ -39,7 +39,7 @@ struct State {
   /// Coordinates of every joint since t = 0 (rad, slider: m), counted through full turns; 0 where
   /// the joint has none.
   std::vector<std::array<double, 2>> joint_coordinates;
-  /// λ̄ of WrenchRule, of all ports; empty before the first step and with other integrators.
+  /// λ̄ of WrenchRule, of all ports; empty before the first step and where no rule filters.
   WrenchSet filtered;
   EnergyBook book;  ///< works and losses since t = 0; its energies stay 0
 };

@@ -22,9 +22,10 @@ WrenchSet WrenchRule::second_half(const WrenchSet& before, const WrenchSet& afte
   return unstack_wrenches(sum - stack(first_half(before, after)));
 }
 
-WrenchRule wrench_rule(const Params& params) {
-  if (params.integrator != IntegratorKind::GeneralisedAlpha) return {.beta = params.newmark_beta};
-  const double rho = params.rho_infinity;
+namespace {
+
+/// Of Chung and Hulbert.
+WrenchRule rule_of(double rho) {
   WrenchRule rule;
   rule.alpha_m = (2.0 * rho - 1.0) / (rho + 1.0);
   rule.alpha_f = rho / (rho + 1.0);
@@ -32,6 +33,20 @@ WrenchRule wrench_rule(const Params& params) {
   rule.gamma = shift - 0.5;
   rule.beta = 0.25 * shift * shift;
   return rule;
+}
+
+/// Kept of a junction's imbalance in a step of verlet.
+constexpr double kJunctionRho = 0.5;
+
+}  // namespace
+
+WrenchRule wrench_rule(const Params& params) {
+  if (params.integrator != IntegratorKind::GeneralisedAlpha) return {.beta = params.newmark_beta};
+  return rule_of(params.rho_infinity);
+}
+
+WrenchRule junction_rule(const Params& params) {
+  return params.integrator == IntegratorKind::Verlet ? rule_of(kJunctionRho) : wrench_rule(params);
 }
 
 }  // namespace tandem::mbs

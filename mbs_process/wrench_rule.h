@@ -30,4 +30,9 @@ struct WrenchRule {
 
 [[nodiscard]] WrenchRule wrench_rule(const Params& params);
 
+/// Of the ports of junctions, which have no mass and follow their wrenches infinitely fast: of
+/// second order with `verlet`, too, but damped. What is out of balance at t = 0, where flexible
+/// bodies begin as if their ports kept their velocities, would alternate for ever.
+[[nodiscard]] WrenchRule junction_rule(const Params& params);
+
 }  // namespace tandem::mbs

@@ -62,6 +62,7 @@ void CounterInertia::add(const StepRequest<MotionSet>& request, StepResult<Wrenc
   if (result.outcome == Outcome::Failed) return;
   const double H_s = to_seconds(request.step);
   result.own = result.output;
+  const Eigen::VectorXd moved = difference(request.input.begin, request.input.end);
   for (std::size_t j = 0; j < junctions_.size(); ++j) {
     const auto& [port, inertia] = junctions_[j];
     const double gamma = inertia.gamma, alpha_m = inertia.alpha_m, alpha_f = inertia.alpha_f;
@@ -69,9 +70,14 @@ void CounterInertia::add(const StepRequest<MotionSet>& request, StepResult<Wrenc
     Vector6& a = state_.acceleration[j];
     Vector6& w = state_.wrench[j];
     const Vector6 mean = (twist(request.input.end[port]) - twist(request.input.begin[port])) / H_s;
+    const Vector6 before = w;
     const Vector6 end = (mean - (1.0 - gamma) * a) / gamma;
     w = (m.cwiseProduct((1.0 - alpha_m) * end + alpha_m * a) - alpha_f * w) / (1.0 - alpha_f);
     a = end;
+    if (gamma < 1.0) {
+      const Vector6 way = moved.segment<6>(12 * static_cast<Eigen::Index>(port));
+      state_.work_J += (0.5 * (before + w) - m.cwiseProduct(mean)).dot(way);
+    }
     result.output[port].f_P_W += w.head<3>();
     result.output[port].t_P_W += w.tail<3>();
     if (!result.jacobian) continue;
@@ -101,6 +107,8 @@ Observation CounterInertia::observe() {
     }
   }
   observation.state_hash = hash.value();
+  observation.energy.interface_work_J -= state_.work_J;
+  observation.energy.numerical_loss_J -= state_.work_J;
   return observation;
 }
 

@@ -50,6 +50,10 @@ class CounterInertia final : public FemSide {
   struct State {
     std::vector<Eigen::Vector<double, 6>> acceleration;  ///< a, of each junction
     std::vector<Eigen::Vector<double, 6>> wrench;        ///< w
+    /// Work of w by the trapezoids of the interface's books less what the inertia takes up: with
+    /// weights that damp the multibody side has booked it as work of the port and as lost by its
+    /// steps. This side's books take both back.
+    double work_J = 0.0;
   };
 
   void add(const StepRequest<MotionSet>& request, StepResult<WrenchSet>& result);
