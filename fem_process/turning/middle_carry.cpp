@@ -62,18 +62,31 @@ void MiddleCarry::refer(std::size_t s, const State& begin, const Carried& carrie
   const Carried::Turn& turn = carried.turns[s];
   const double share = 1.0 / static_cast<double>(part.holders.size());
   Motion rigid;  // mean of the holders
+  // e_k / h of conclude(), to first order in what moves beyond the turn: the rate at which the
+  // holder's own integrator leads it away from where its velocity points. On a circle that is
+  // ω² h/2 of its radius, which is no strain of the body.
+  std::vector<Eigen::Vector3d> astray;
   for (int holder : part.holders) {
     const bool fixed = holder == BodyPart::kGround;
     const auto p = static_cast<std::size_t>(holder);
     const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
     const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
+    const Eigen::Vector3d to = fixed ? at : end[p].p_WP;
+    const Eigen::Vector3d carried_at = turn.about + turn.Q * (at - turn.about);
+    astray.push_back((to - carried_at) / carried.h_s - motion.v_WP);
     rigid.p_WP += share * (turn.about + turn.half * (at - turn.about));
-    rigid.v_WP += share * motion.v_WP;
+    rigid.v_WP += share * (motion.v_WP + astray.back());
     rigid.w_WP += share * motion.w_WP;
   }
-  for (int node : part.nodes) {
-    const Eigen::Vector3d arm = carried.map.x_tilde.segment<3>(3 * node) - rigid.p_WP;
-    v.segment<3>(3 * node) = rigid.v_WP + rigid.w_WP.cross(arm);
+  for (std::size_t i = 0; i < part.nodes.size(); ++i) {
+    const Eigen::Index row = 3 * part.nodes[i];
+    const Eigen::Vector3d arm = carried.map.x_tilde.segment<3>(row) - rigid.p_WP;
+    Eigen::Vector3d velocity = rigid.v_WP + rigid.w_WP.cross(arm);
+    for (std::size_t k = 0; k < astray.size(); ++k) {
+      velocity -=
+          part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) * astray[k];
+    }
+    v.segment<3>(row) = velocity;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "tests/support/long_tests.h"
 #include "tests/support/tandem_process.h"
 
 namespace tandem::test {
@@ -38,7 +39,7 @@ std::vector<Variant> variants() {
 }
 
 /// Wall time for an advice.
-double most_s() { return std::getenv("TANDEM_LONG") == nullptr ? 40.0 : 120.0; }
+double most_s() { return !long_tests() ? 40.0 : 120.0; }
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -62,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
 // the model that it is at, and for a machine that is busy.
 TEST_P(AdviseHolds, RunsToTheEndWithWhatIsRecommended) {
   const auto& [variant, factor] = GetParam();
-  if (!variant.brief && std::getenv("TANDEM_LONG") == nullptr) {
+  if (!variant.brief && !long_tests()) {
     GTEST_SKIP() << "takes minutes: ./test.sh --long runs it";
   }
   if (variant.density.empty() && factor != 1.0) GTEST_SKIP() << "has several densities";

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/support/coupled_pair.h"
+#include "tests/support/long_tests.h"
 
 namespace tandem::coupled_test {
 namespace {
@@ -52,7 +53,9 @@ TEST(SliderCrank, StiffRodFollowsTheRigidKinematics) {
 }
 
 /// Ends of the rod turned against each other (rad), largest over the run.
-double largest_bend_rad(const CoupledPair::Overrides& overrides) {
+double largest_bend_rad(CoupledPair::Overrides overrides) {
+  // Half the run: a turn and a half of the crank.
+  if (!test::long_tests()) overrides.push_back({"run.duration_s", "0.5"});
   CoupledPair pair(kScenario, overrides);
   double largest = 0.0;
   const RunReport report = pair.run(Mode::Inproc, [&](const Sample& sample) {

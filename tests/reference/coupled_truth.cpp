@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tests/support/long_tests.h"
 #include "tests/support/truth_case.h"
 
 namespace tandem::coupled_test {
@@ -58,6 +59,7 @@ TEST(MonolithicTruth, PendulumBeamStaysWithinTheListedErrors) {
 // The reference damps rigid turning by β K_R, too: a difference of order 0 at the finest steps, so
 // the order itself is held by fem_order.cpp against a truth with this definition.
 TEST(MonolithicTruth, DampedPendulumBeamStaysWithinTheListedErrors) {
+  if (!test::long_tests()) GTEST_SKIP() << "with ./test.sh --long";
   expect_listed_errors(pendulum_beam_damped());
 }
 

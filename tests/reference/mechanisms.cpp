@@ -100,6 +100,21 @@ TEST(RobotArm, HangsAsTwoCantileversInARow) {
 // examples/beam_fourbar). Beams have no extent at their ends, bars of 16 mm have: a few per mille
 // of their stiffness, and so of z. So near the dead centre x and y change by what z, the stretch of
 // the bars and the steps do to the rocker's slant: 5 and 17 µm are seen.
+// Damping takes the energy of strain rates, not of a turn whose steps go along chords: the links
+// turn by 3 rad/s, and ω² h/2 of their length would be a strain rate that damps 400 times as much.
+TEST(RobotArm, LosesToDampingWhatItsVibrationHas) {
+  const std::string every = "output.energy_every_steps=1";
+  const auto lost_J = [&](const std::vector<std::string>& more) {
+    return columns_of("robot_arm", 1.2, "energy.csv", more)["fem.damping_loss_J"].back();
+  };
+  const double second_order_J = lost_J({"--set", every});
+  const double first_order_J = lost_J({"--set", every, "--set", "mbs.integrator=euler", "--set",
+                                       "fem.upper_arm.integrator={kind: backward_euler}", "--set",
+                                       "fem.forearm.integrator={kind: backward_euler}"});
+  EXPECT_GT(second_order_J, 0.01);
+  EXPECT_NEAR(first_order_J / second_order_J, 1.0, 0.7);
+}
+
 TEST(FourBar, TheMisalignedHingeIsBentAside) {
   auto ports = columns_of("four_bar", 2.4, "ports.csv");
   ASSERT_FALSE(ports["t_s"].empty());

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tests/support/coupled_pair.h"
+#include "tests/support/long_tests.h"
 
 namespace tandem::coupled_test {
 namespace {
@@ -18,9 +19,10 @@ struct Balance {
   double pair_impulse_gap = 0.0;  ///< H |f applied − f answered|, largest (N s)
 };
 
-/// 10,000 steps of the free pair, every one looked at.
+/// 2,000 steps of the free pair, or 10,000, every one looked at.
 Balance balance_of(Mode mode) {
-  CoupledPair pair("two_masses/scenario.yaml", {{"run.duration_s", "10.0"}});
+  const std::string duration_s = test::long_tests() ? "10.0" : "2.0";
+  CoupledPair pair("two_masses/scenario.yaml", {{"run.duration_s", duration_s}});
   Balance balance;
   Eigen::Vector3d start = Eigen::Vector3d::Zero();
   std::vector<mbs::BodyState> before;
@@ -45,7 +47,7 @@ Balance balance_of(Mode mode) {
     before = bodies;
   });
   EXPECT_EQ(report.status, RunStatus::Done) << report.message;
-  EXPECT_EQ(steps, 10000);
+  EXPECT_EQ(steps, test::long_tests() ? 10000 : 2000);
   return balance;
 }
 
@@ -58,11 +60,11 @@ void expect_closed(Mode mode) {
   EXPECT_LT(balance.pair_impulse_gap, 1e-3 * 1e-11 * 160.0);
 }
 
-TEST(FreePair, MonolithicKeepsLinearMomentumOverTenThousandSteps) {
+TEST(FreePair, MonolithicKeepsLinearMomentumOverThousandsOfSteps) {
   expect_closed(Mode::Monolithic);
 }
 
-TEST(FreePair, InterfaceJacobianKeepsLinearMomentumOverTenThousandSteps) {
+TEST(FreePair, InterfaceJacobianKeepsLinearMomentumOverThousandsOfSteps) {
   expect_closed(Mode::Inproc);
 }
 
