@@ -34,10 +34,12 @@ RemoteBodies::RemoteBodies(wire::Bus& bus, wire::LivenessMonitor& monitor,
                            const wire::RemoteOptions& all, std::optional<std::size_t> only)
     : monitor_(monitor) {
   std::vector<FemPart> parts;
+  if (bodies.size() > 1 && !only) together_ = std::make_unique<wire::RemoteLinks>(bus, monitor);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (only.value_or(b) != b) continue;
     processes_.push_back(wire::body_process(b, bodies.size()));
-    auto link = std::make_unique<wire::RemoteFem>(bus, monitor, options_of(bodies, b, all));
+    auto link = std::make_unique<wire::RemoteFem>(bus, monitor, options_of(bodies, b, all),
+                                                  together_.get());
     links_.push_back(link.get());
     parts.push_back({bodies[b].name, std::move(link), bodies[b].ports});
   }

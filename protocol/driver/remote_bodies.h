@@ -39,6 +39,7 @@ class RemoteBodies {
 
  private:
   wire::LivenessMonitor& monitor_;
+  std::unique_ptr<wire::RemoteLinks> together_;  ///< of several
   std::vector<wire::Process> processes_;
   std::vector<wire::RemoteFem*> links_;  ///< owned by side_
   std::unique_ptr<FemSide> side_;

@@ -10,8 +10,9 @@
 
 namespace tandem::wire {
 
-/// Bytes of the whole in each chunk but the last one, and the largest whole.
-inline constexpr std::size_t kChunkData = 59000;
+/// Bytes of the whole in each chunk but the last one, and the largest whole. Together with the head
+/// and a channel's name below what LCM puts into one datagram (65,499 bytes).
+inline constexpr std::size_t kChunkData = 65200;
 inline constexpr std::size_t kMaxMessage = 64U << 20U;
 
 /// Puts chunks together again, in any order, repeated or interleaved with those of other messages.

@@ -10,7 +10,7 @@
 namespace tandem::wire {
 namespace {
 
-// The kernel books some 65 KiB for a datagram of a full part.
+// The kernel books some 67 kB for a datagram of a full part.
 constexpr int kBookedBytes = 70000;
 
 }  // namespace
@@ -68,7 +68,11 @@ void SentMessage::send(std::size_t index, bool ends_burst, std::int32_t attempt,
 }
 
 SentMessages::Entry& SentMessages::keep(const std::string& channel, ByteView message) {
-  const std::int64_t sequence = header_of(message).sequence;
+  const Header header = header_of(message);
+  const std::int64_t sequence = header.sequence;
+  // Who sends the next request or reply has heard that the last one was taken in whole.
+  const bool one_open = header.kind == Kind::Request || header.kind == Kind::Reply;
+  const std::size_t most = one_open ? 1 : kMost;
   Bytes memory;
   std::size_t total = message.size();
   std::size_t of_channel = 0;
@@ -87,7 +91,7 @@ SentMessages::Entry& SentMessages::keep(const std::string& channel, ByteView mes
   drop([&](const Entry& entry) {
     return entry.channel == channel && entry.message.header().sequence == sequence;
   });
-  if (memory.empty() && of_channel >= kMost) {
+  if (memory.empty() && of_channel >= most) {
     drop([&](const Entry& entry) { return entry.channel == channel; });
   }
   while (!entries_.empty() && total > kMostBytes) drop([](const Entry&) { return true; });

@@ -51,7 +51,7 @@ class SentMessage {
 /// The messages in chunks that a process has sent last, so that parts can be sent once more.
 class SentMessages {
  public:
-  static constexpr std::size_t kMost = 4;  ///< of a channel
+  static constexpr std::size_t kMost = 4;  ///< of a channel; one of requests and of replies
   static constexpr std::size_t kMostBytes = 128U << 20U;
 
   struct Entry {

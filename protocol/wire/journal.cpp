@@ -102,7 +102,7 @@ std::string misfit(const CallRecord& call, std::size_t ports, bool may_lack_begi
 
 std::size_t unrecorded_bytes(int receive_buffer_bytes) {
   constexpr int kAskedFor = 2 * 4194304;  // as the kernel counts it
-  // It books some 65 KiB for the 59 kB of a full part, and other messages come as well.
+  // It books some 67 kB for the 65 kB of a full part, and other messages come as well.
   return static_cast<std::size_t>(receive_buffer_bytes > 0 ? receive_buffer_bytes : kAskedFor) / 4 *
          3;
 }

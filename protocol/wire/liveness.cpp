@@ -175,9 +175,32 @@ void LivenessMonitor::fail_silent(const Partner& partner) const {
   throw Error(
       ErrorKind::Partner,
       fmt::format("{}: nothing heard from {} for {:.3g} s (macro step {}; it was last {}): "
-                  "it was stopped, killed or lost its network.{}",
+                  "it was stopped, killed or lost its network.{}{}",
                   bus_.name_of(bus_.options().self), bus_.program_of(partner.process), timeout_s_,
-                  macro_step_, partner.phase.empty() ? "answering" : partner.phase, sending));
+                  macro_step_, partner.phase.empty() ? "answering" : partner.phase,
+                  others_than(partner), sending));
+}
+
+// Of several flexible bodies: who else is missing, and what the others are doing.
+std::string LivenessMonitor::others_than(const Partner& silent) const {
+  if (bus_.options().names.bodies() < 2) return {};
+  const double time_s = now_s();
+  std::string missing, others;
+  for (const Partner& partner : partners_) {
+    if (partner.released || !is_flexible(partner.process)) continue;
+    const std::string asked = tell_ ? tell_(partner.process) : std::string();
+    if (&partner == &silent) {
+      if (!asked.empty()) missing += fmt::format(" {} {}.", bus_.program_of(silent.process), asked);
+      continue;
+    }
+    // Heartbeats come five times in a time-out, or more often.
+    const bool is_missing = partner.grace_given || partner.deadline_s - time_s < 0.5 * timeout_s_;
+    (is_missing ? missing : others) += fmt::format(
+        " {} {} (macro step {}, {}){}{}.", bus_.program_of(partner.process),
+        is_missing ? "is not heard either" : "lives", partner.macro_step,
+        partner.phase.empty() ? "answering" : partner.phase, asked.empty() ? "" : ", ", asked);
+  }
+  return missing + others;
 }
 
 const LivenessMonitor::Partner* LivenessMonitor::find(Process process) const {

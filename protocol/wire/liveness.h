@@ -68,6 +68,9 @@ class LivenessMonitor {
   /// waiting (a child process, a signal) throws from there.
   void also_watch(std::function<void()> look) { also_watch_ = std::move(look); }
 
+  /// What is known here of a flexible body that the error text is about: whether it was asked.
+  void tell_of_bodies(std::function<std::string(Process)> tell) { tell_ = std::move(tell); }
+
   /// For the error text.
   void set_macro_step(std::int64_t macro_step) { macro_step_ = macro_step; }
 
@@ -92,6 +95,7 @@ class LivenessMonitor {
   void check(double time_s);
   void on_abort(const Abort& abort) const;
   [[noreturn]] void fail_silent(const Partner& partner) const;
+  [[nodiscard]] std::string others_than(const Partner& silent) const;
   [[nodiscard]] const Partner* find(Process process) const;
 
   Bus& bus_;
@@ -101,6 +105,7 @@ class LivenessMonitor {
   double last_check_s_ = 0.0;
   std::int64_t macro_step_ = 0;
   std::function<void()> also_watch_;
+  std::function<std::string(Process)> tell_;
 };
 
 }  // namespace tandem::wire

@@ -164,6 +164,11 @@ void append(const StepJournal& journal, Bytes& message);
 /// The same, leaving out what `accepted` knows; takes the accepted inputs out of the journal.
 void append(StepJournal&& journal, AcceptedInputs& accepted, Bytes& message);
 void end_journal(const Header& header, Bytes& message);
+/// Requests to several sides in one message: begin, append each as it is encoded, end with the
+/// header.
+void begin_requests(Bytes& message);
+void append(Process side, ByteView request, Bytes& message);
+void end_requests(const Header& header, Bytes& message);
 [[nodiscard]] Bytes encode(const Header& header, const StepRecord& step);
 [[nodiscard]] Bytes encode(const Header& header, const Finished& finished);
 [[nodiscard]] Bytes encode(const Header& header, const ScenarioText& scenario);
@@ -189,6 +194,8 @@ void end_journal(const Header& header, Bytes& message);
 /// The same into an object whose memory is used again; false = nothing.
 [[nodiscard]] bool decode(ByteView message, Request& request);
 [[nodiscard]] bool decode(ByteView message, Reply& reply);
+/// The one to `side` out of requests to several, lying in that message; empty: there is none.
+[[nodiscard]] std::optional<ByteView> request_to(Process side, ByteView message);
 [[nodiscard]] std::optional<Handshake> decode_handshake(ByteView message);
 [[nodiscard]] std::optional<Alive> decode_alive(ByteView message);
 [[nodiscard]] std::optional<Abort> decode_abort(ByteView message);

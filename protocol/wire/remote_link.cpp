@@ -8,6 +8,7 @@
 
 #include "protocol/contract/cost.h"
 #include "protocol/contract/error.h"
+#include "protocol/wire/remote_links.h"
 #include "protocol/wire/resend_timeouts.h"
 
 namespace tandem::wire {
@@ -48,15 +49,36 @@ void RemoteLink::on_reply(const Header& header, ByteView message) {
   decode_s_ = now_s() - arrival_s_;
 }
 
+void RemoteLink::send_first() {
+  leaves(now_s());
+  send(request_, 0, open_cost_);
+}
+
+void RemoteLink::leaves(double time_s) {
+  begin_s_ = time_s;
+  sent_ = true;
+  watched_ = false;
+}
+
+void RemoteLink::watch() {
+  if (!is_open() || std::exchange(watched_, true)) return;
+  timeout_s_ = kFirstTimeout_s;
+  resend_s_ = now_s() + timeout_s_;
+}
+
+void RemoteLink::repeat_if_late() {
+  if (!is_open() || now_s() < resend_s_) return;
+  send(request_, static_cast<std::int32_t>(++open_cost_.resent), open_cost_);
+  timeout_s_ = std::min(2.0 * timeout_s_, kLastTimeout_s);
+  resend_s_ = now_s() + timeout_s_;
+}
+
 void RemoteLink::await_reply() {
-  double timeout_s = kFirstTimeout_s;
-  double resend_s = now_s() + timeout_s;
-  while (reply_bytes_ == 0) {
-    monitor_.wait(std::max(0.0, resend_s - now_s()));
-    if (reply_bytes_ > 0 || now_s() < resend_s) continue;
-    send(request_, static_cast<std::int32_t>(++open_cost_.resent), open_cost_);
-    timeout_s = std::min(2.0 * timeout_s, kLastTimeout_s);
-    resend_s = now_s() + timeout_s;
+  if (links_ != nullptr) return links_->await(*this);
+  watch();
+  while (is_open()) {
+    monitor_.wait(std::max(0.0, resend_s_ - now_s()));
+    repeat_if_late();
   }
 }
 
@@ -105,16 +127,18 @@ void RemoteLink::begin(const RequestView& request) {
   } else if (given_ == Given::Here) {
     given_ = Given::Lost;
   }
-  begin_s_ = now_s();
-  open_cost_.encode_s = begin_s_ - encode_s;
+  open_cost_.encode_s = now_s() - encode_s;
   monitor_.set_macro_step(macro_step_);
   reply_bytes_ = 0;
-  send(request_, 0, open_cost_);
+  if (links_ != nullptr) return links_->begun(*this);
+  send_first();
 }
 
 Reply& RemoteLink::finish(CallCost& cost) {
+  if (links_ != nullptr) links_->send();
   finish_s_ = now_s();
   await_reply();
+  sent_ = false;
   if (other_schema_) {
     throw Error(ErrorKind::Partner,
                 fmt::format("{}: reply {} (macro step {}) cannot be decoded: {} speaks another "

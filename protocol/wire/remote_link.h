@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "protocol/wire/arrays.h"
 #include "protocol/wire/bus.h"
@@ -10,6 +11,8 @@
 #include "protocol/wire/messages.h"
 
 namespace tandem::wire {
+
+class RemoteLinks;
 
 /// Client end of the exchange with one side: numbered requests, one open at a time, repeated after
 /// a time-out (20 ms, doubling to 200 ms) until the reply of the same number is here. The server
@@ -32,7 +35,8 @@ class RemoteLink {
   Reply& call(const RequestView& request, CallCost& cost);
 
   /// The two halves of call(): begin() sends and returns at once, finish() waits. In between the
-  /// caller may do other work, or exchange with the other side over the same bus.
+  /// caller may do other work, or exchange with the other side over the same bus. With links to
+  /// other sides begin() may leave the sending to them: RemoteLinks.
   void begin(const RequestView& request);
   Reply& finish(CallCost& cost);
 
@@ -54,7 +58,15 @@ class RemoteLink {
   [[nodiscard]] PartTimes times() const;
 
  private:
+  friend class RemoteLinks;
   void send(Bytes& message, std::int32_t attempt, CallCost& cost);
+  void send_first();
+  /// The request leaves now, in one message with those of others; its first books the sending.
+  void leaves(double time_s);
+  [[nodiscard]] bool is_open() const { return sent_ && reply_bytes_ == 0; }
+  /// From now on the time-out of the open request runs; once, until the next one is sent.
+  void watch();
+  void repeat_if_late();
   void await_reply();
   void book(double blocked_s);
   void on_reply(const Header& header, ByteView message);
@@ -64,12 +76,17 @@ class RemoteLink {
   LivenessMonitor& monitor_;
   RemoteOptions options_;
   Subscription replies_;
+  RemoteLinks* links_ = nullptr;  ///< that this is one of
   std::int64_t sequence_ = 0;
   std::int64_t macro_step_ = 0;
   std::int32_t iteration_ = 0;
   RequestKind call_ = RequestKind::Observe;  ///< of the open request
   CallCost open_cost_;                       ///< of the call in progress
   double begin_s_ = 0.0;                     ///< when it was first sent
+  bool sent_ = false;                        ///< since begin(), until finish()
+  bool watched_ = false;                     ///< its time-out runs
+  double timeout_s_ = 0.0;
+  double resend_s_ = 0.0;
   enum class Given { Nothing, Here, Lost };
   Bytes accepted_;                  ///< message that ends with the accepted input
   std::size_t accepted_bytes_ = 0;  ///< of that input; 0 = not known

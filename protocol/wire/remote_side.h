@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "protocol/wire/remote_link.h"
+#include "protocol/wire/remote_links.h"
 
 namespace tandem::wire {
 
@@ -14,14 +15,16 @@ namespace tandem::wire {
 template <class In, class Out>
 class RemoteSide final : public Subsystem<In, Out>, public TimedCalls {
  public:
-  /// Connects; see RemoteLink::connect().
-  RemoteSide(Bus& bus, LivenessMonitor& monitor, const RemoteOptions& options)
+  /// Connects; see RemoteLink::connect(). `links`: those to the others of several bodies.
+  RemoteSide(Bus& bus, LivenessMonitor& monitor, const RemoteOptions& options,
+             RemoteLinks* links = nullptr)
       : link_(bus, monitor, options) {
     const Handshake welcome = link_.connect();
     info_ = {.name = bus.name_of(options.side),
              .ports = welcome.ports,
              .micro_step = welcome.micro_step,
              .can_linearize = welcome.can_linearize};
+    if (links != nullptr) links->add(link_);
   }
 
   [[nodiscard]] const SubsystemInfo& info() const override { return info_; }

@@ -32,6 +32,12 @@ void RequestServer::run() {
   const Subscription request = bus_.subscribe(
       self, Kind::Request,
       [this](const Header& header, ByteView message) { on_request(header, message); });
+  // To one of several bodies the driver may speak together with the others.
+  Subscription requests;
+  if (static_cast<std::size_t>(self) >= kFirstBody) {
+    requests = bus_.subscribe(Process::Fem, Kind::Requests,
+                              [this](const Header&, ByteView message) { on_requests(message); });
+  }
   const Subscription closed =
       bus_.subscribe(self, Kind::Closed, [this](const Header&, ByteView) { closed_ = done_; });
   if (options_.heartbeat != nullptr) options_.heartbeat->set_phase("waiting for the driver");
@@ -78,6 +84,12 @@ void RequestServer::on_request(const Header& header, ByteView message) {
                   "never sent. Is a second driver on this run?",
                   bus_.name_of(bus_.options().self), header.sequence, header.macro_step, last_)));
   }
+}
+
+void RequestServer::on_requests(ByteView message) {
+  const std::optional<ByteView> own = request_to(bus_.options().self, message);
+  if (!own) return bus_.count_undecodable();
+  if (!own->empty()) on_request(header_of(*own), *own);
 }
 
 void RequestServer::execute(ByteView message) {

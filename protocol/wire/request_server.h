@@ -44,6 +44,7 @@ class RequestServer {
  private:
   void look_at(const HelloServer& hello);
   void on_request(const Header& header, ByteView message);
+  void on_requests(ByteView message);
   void execute(ByteView message);
   void publish_reply(Reply& reply);
   void repeat_reply();

@@ -78,6 +78,8 @@ const char* text_of(Kind kind) {
       return "controlled";
     case Kind::Missing:
       return "missing";
+    case Kind::Requests:
+      return "requests";
   }
   return "unknown";
 }

@@ -53,12 +53,13 @@ enum class Kind : std::int32_t {
   Control = 16,
   Controlled = 17,
   Missing = 18,
+  Requests = 19,
 };
-inline constexpr std::size_t kKinds = 19;
+inline constexpr std::size_t kKinds = 20;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
 
 /// The processes of a run. Where it has several flexible bodies, each has one of its own, and there
-/// is no Fem: see body_process().
+/// is no Fem: see body_process(). Fem's channels are then those of all of them.
 enum class Process : std::int32_t { Mbs = 0, Fem = 1, Orchestrator = 2, Tool = 3 };
 inline constexpr std::size_t kFirstBody = 4;
 inline constexpr std::size_t kMostBodies = 60;

@@ -40,7 +40,7 @@ Bytes advance_request() {
 }
 
 TEST(WireBytes, RequestIsBigEndianInTheOrderOfItsFields) {
-  ASSERT_EQ(kProtocolVersion, 8);
+  ASSERT_EQ(kProtocolVersion, 9);
   const Bytes bytes = advance_request();
   ASSERT_EQ(bytes.size(), 8U + 52U + 5U * 4U + 4U + 3U + 8U + 48U);
   EXPECT_EQ(hex(bytes, 0, 8), "df504e2d8986e8ab");   // lcm-gen's hash of request_t and its members
@@ -67,9 +67,12 @@ TEST(WireBytes, RequestIsBigEndianInTheOrderOfItsFields) {
 }
 
 // The fingerprint of every message type; a changed field, name or unit changes it.
-TEST(WireBytes, SchemasAreThoseOfProtocolVersion8) {
-  ASSERT_EQ(kProtocolVersion, 8);
+TEST(WireBytes, SchemasAreThoseOfProtocolVersion9) {
+  ASSERT_EQ(kProtocolVersion, 9);
   const auto fingerprint = [](const Bytes& bytes) { return hex(bytes, 0, 8); };
+  Bytes requests;
+  begin_requests(requests);
+  EXPECT_EQ(fingerprint(requests), "759249ac1b961247");
   EXPECT_EQ(fingerprint(encode(Reply{})), "5d3393046ee02076");
   EXPECT_EQ(fingerprint(encode(Handshake{})), "37a03d486e5ee44e");
   EXPECT_EQ(fingerprint(encode(Alive{})), "f0d489aa6829b5d5");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "protocol/wire/event_log.h"
 #include "tests/support/chain_of_links.h"
 #include "tests/support/tandem_process.h"
 
@@ -89,6 +90,54 @@ TEST(RunJunctions, AreRefusedByNameWhereNothingIterates) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Links, RunBodies, testing::Values(1, 2, 4, 8, 16));
+
+/// How often a body had answered before the one in front of it, in all evaluations of a log.
+int overtakings(const std::filesystem::path& log_file) {
+  int count = 0;
+  wire::LogReader log(log_file);
+  while (const auto step = log.next_step()) {
+    for (const wire::CallRecord& call : step->calls) {
+      const std::vector<wire::PartTimes>& parts = call.times.parts;
+      for (std::size_t b = 1; b < parts.size(); ++b) {
+        count += parts[b].arrived_s < parts[b - 1].arrived_s ? 1 : 0;
+      }
+    }
+  }
+  return count;
+}
+
+// Each process sleeps up to 2 ms before whatever it sends: the bodies answer in random order.
+TEST(RunBodiesOrder, OfTheAnswersChangesNoBit) {
+  const Chain chain(4);
+  const auto expected = chain.run("inproc", {"--transport", "inproc"});
+  const Environment sleepy{{"TANDEM_FAULT_SLEEP_US", "2000"}};
+  Environment lossy = sleepy;
+  for (const char* what : {"DROP", "DUPLICATE", "REORDER"}) {
+    lossy[std::string("TANDEM_FAULT_") + what + "_PERCENT"] = "5";
+  }
+  const std::map<std::string, std::pair<std::vector<std::string>, Environment>> ways{
+      {"sleepy", {{}, sleepy}},
+      {"sleepy_hub", {{"--driver", "orchestrator"}, sleepy}},
+      {"sleepy_lossy", {{}, lossy}}};
+  for (const auto& [name, way] : ways) {
+    const auto summary = chain.run(name, way.first, with_preload(way.second, TANDEM_FAULT_SHIM));
+    EXPECT_EQ(summary.value("state_hash", ""), expected.at("state_hash")) << name;
+    const int evaluations = summary["iterations"]["total"].get<int>();
+    // By chance every second pair: 1/8 is far below what a draw of so many can give.
+    EXPECT_GT(overtakings(chain.folder / name / "exchange.lcm"), 3 * evaluations / 8) << name;
+  }
+}
+
+// One message asks all of them: 1 + N an evaluation.
+TEST(RunBodiesCost, OneMessageAsksAll) {
+  const auto summary = Chain(4).run("run", {});
+  const auto& wire = summary.at("wire");
+  // A side that the scheduler keeps for 20 ms is asked once more, and answers once more.
+  const int repeated = wire.at("resent").get<int>() + wire.at("duplicates").get<int>();
+  const int expected = 5 * summary["iterations"]["total"].get<int>();
+  EXPECT_GE(wire.at("messages").get<int>(), expected);
+  EXPECT_LE(wire.at("messages").get<int>(), expected + 2 * repeated);
+}
 
 // The iterations do not grow with the number of bodies: all of them are in one Newton step.
 TEST(RunBodiesCost, IterationsDoNotGrowWithTheirNumber) {

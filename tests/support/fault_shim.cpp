@@ -7,7 +7,7 @@
 //   TANDEM_FAULT_SLEEP_US           sleeps a random time up to this before each datagram
 //   TANDEM_FAULT_RECEIVE_BUFFER     bytes that a socket's receive buffer is given at most, as by
 //                                   net.core.rmem_max
-//   TANDEM_FAULT_SEED               seed; mixed with the program's name
+//   TANDEM_FAULT_SEED               seed; mixed with the program's name and that of its body
 // With TANDEM_FAULT_PROGRAM, only the process of that name is disturbed. It may also end at a
 // chosen point of the exchange, before that datagram is sent:
 //   TANDEM_FAULT_END                how: kill, stop (SIGSTOP), or an exit code
@@ -25,6 +25,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -47,6 +48,17 @@ std::string text_setting(const char* name) {
 bool concerns_this_program() {
   const std::string chosen = text_setting("TANDEM_FAULT_PROGRAM");
   return chosen.empty() || chosen == program_invocation_short_name;
+}
+
+/// What stands behind --body on the command line: several bodies are processes of one program.
+std::string body_of_this_process() {
+  std::ifstream file("/proc/self/cmdline");
+  std::string word, before;
+  while (std::getline(file, word, '\0')) {
+    if (before == "--body") return word;
+    before = word;
+  }
+  return {};
 }
 
 // A datagram of LCM begins with 8 bytes (magic, number); the channel follows, ended by a zero.
@@ -79,8 +91,8 @@ struct Shim {
   double end_count = setting("TANDEM_FAULT_END_COUNT");
 
   Shim() {
-    for (const char* c = program_invocation_short_name; *c != '\0'; ++c) {
-      state = state * 31 + static_cast<unsigned char>(*c);
+    for (const char c : program_invocation_short_name + body_of_this_process()) {
+      state = state * 31 + static_cast<unsigned char>(c);
     }
   }
   // splitmix64 [Steele, Lea, Flood 2014]

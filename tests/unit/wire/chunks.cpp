@@ -18,6 +18,10 @@ Header some_header(Kind kind) {
   return {.run_id = 7, .sequence = 3, .macro_step = 5, .kind = kind, .sender = Process::Mbs};
 }
 
+// What liblcm puts into one datagram, and a channel of a run with the zero behind it.
+constexpr std::size_t kLcmDatagram = 65499;
+constexpr std::size_t kLongestChannel = sizeof("TANDEM_0123456789abcdef_orchestrator_controlled");
+
 /// A sealed message of this size, with text that differs from byte to byte.
 Bytes some_message(std::size_t size) {
   std::string text(size, ' ');
@@ -52,7 +56,7 @@ TEST(WireChunks, ReassembleInAnyOrderWithRepetitions) {
     Assembler assembler;
     int completed = 0;
     for (const Bytes& part : parts) {
-      ASSERT_LE(part.size(), kMaxWhole);
+      ASSERT_LE(part.size() + kLongestChannel, kLcmDatagram);
       ASSERT_TRUE(open_seal(part).has_value());
       if (const auto whole = assembler.add(*decode_chunk(part))) {
         ++completed;
@@ -90,8 +94,9 @@ Chunk first_of(std::int32_t whole_bytes, std::int64_t sequence, ByteView bytes) 
   chunk.header = some_header(Kind::Chunk);
   chunk.header.sequence = sequence;
   chunk.whole_bytes = whole_bytes;
-  chunk.count = (whole_bytes + 58999) / 59000;
-  chunk.bytes = bytes.first(static_cast<std::size_t>(std::min(whole_bytes, 59000)));
+  constexpr auto kPart = static_cast<std::int32_t>(kChunkData);
+  chunk.count = (whole_bytes + kPart - 1) / kPart;
+  chunk.bytes = bytes.first(static_cast<std::size_t>(std::min(whole_bytes, kPart)));
   return chunk;
 }
 
@@ -113,9 +118,9 @@ std::int64_t resident_bytes() {
   return resident * sysconf(_SC_PAGESIZE);
 }
 
-// 24 first parts that claim 64 MiB each are 1.4 MB.
+// 24 first parts that claim 64 MiB each are 1.6 MB.
 TEST(WireChunks, AClaimTakesNoMemoryBeforeItsPartsAreHere) {
-  const Bytes bytes(59000, 1);
+  const Bytes bytes(kChunkData, 1);
   const std::int64_t before = resident_bytes();
   Assembler assembler;
   for (std::int64_t sequence = 1; sequence <= 24; ++sequence) {
@@ -125,7 +130,7 @@ TEST(WireChunks, AClaimTakesNoMemoryBeforeItsPartsAreHere) {
 }
 
 TEST(WireChunks, WhatIsMissingIsToldAndSentAlone) {
-  const Bytes message = some_message(600000);
+  const Bytes message = some_message(700000);
   const std::vector<Bytes> parts = parts_of(message);
   ASSERT_EQ(parts.size(), 11U);
   Assembler assembler;
@@ -158,6 +163,37 @@ TEST(WireChunks, WhatIsMissingIsToldAndSentAlone) {
   ASSERT_TRUE(whole.has_value());
   EXPECT_TRUE(std::equal(whole->begin(), whole->end(), message.begin(), message.end()));
   EXPECT_FALSE(assembler.lacks(4).has_value());
+}
+
+// Of requests and replies the last one is kept alone, in the memory of the one before: whoever
+// sends the next has heard that it was taken in.
+TEST(WireChunks, TheNextRequestTakesThePlaceOfTheLast) {
+  SentMessages sent;
+  const auto request = [](std::int64_t sequence) {
+    Request large;
+    large.header = some_header(Kind::Request);
+    large.header.sequence = sequence;
+    large.command.resize(100000, static_cast<char>('a' + sequence));
+    Bytes message = encode(large);
+    seal(message);
+    return message;
+  };
+  const auto is_kept = [&](const Bytes& message) {
+    const Chunk first = decode_chunk(parts_of(message).front()).value();
+    Missing missing{.header = first.header,
+                    .whole_kind = first.whole_kind,
+                    .whole_checksum = first.whole_checksum,
+                    .wanted = {0}};
+    return sent.find(missing) != nullptr;
+  };
+  sent.keep("a", request(1));
+  EXPECT_TRUE(is_kept(request(1)));
+  sent.keep("b", request(1));
+  sent.keep("a", request(2));
+  EXPECT_TRUE(is_kept(request(2)));
+  EXPECT_TRUE(is_kept(request(1))) << "of the other channel";
+  sent.keep("b", request(3));
+  EXPECT_FALSE(is_kept(request(1)));
 }
 
 // A repetition is the first part alone: the receiver has the rest.
