@@ -21,7 +21,7 @@ tandem_test(coupled_reference
     reference/coupled_vibration.cpp
   LIBS coupled_support LABELS reference)
 tandem_test(coupled_equivalence
-  SOURCES equivalence/coupled_bodies.cpp equivalence/coupled_multi_rate.cpp
+  SOURCES equivalence/coupled_bodies.cpp equivalence/coupled_multi_rate.cpp equivalence/coupled_worlds.cpp
     equivalence/coupled_schemes.cpp equivalence/coupled_symmetry.cpp
   LIBS coupled_support nlohmann_json::nlohmann_json LABELS equivalence)
 

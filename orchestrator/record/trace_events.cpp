@@ -53,7 +53,7 @@ TraceEvents::TraceEvents(const std::filesystem::path& file, const CallTimeline& 
   for (std::size_t w = 0; w < timeline_.workers().size(); ++w) {
     if (timeline_.is_here(w)) continue;
     const std::string& side = timeline_.workers()[w];
-    const std::string program = w == 0 ? "tandem-mbs" : "tandem-fem";
+    const std::string program = timeline.program_of(w);
     name(track_of(w), "tandem-" + side == program ? program : program + " " + side, side);
   }
 }

@@ -117,12 +117,21 @@ PortOscillation fastest_port(const Model& model, const mbs::Params& params,
           .angle_rad = H_s * std::sqrt(std::max(0.0, w_squared))};
 }
 
+namespace {
+
+bool same_ports(const fem::Model& body, const mbs::Params& params) {
+  return std::equal(body.ports.begin(), body.ports.end(), params.ports.begin(), params.ports.end(),
+                    [](const auto& a, const auto& b) { return a.name == b.name; });
+}
+
+}  // namespace
+
 std::optional<Finding> unstable_verlet(const Model& model, const mbs::Params& params,
                                        const fem::Model& body) {
   const auto loose = [](const fem::Model::Port& port) { return port.attachment.loose(); };
   if (params.integrator != mbs::IntegratorKind::Verlet || params.newmark_beta >= 0.25 ||
       body.params.nodal || body.params.formulation == fem::FormulationKind::CraigBampton ||
-      body.ports.size() != params.ports.size() ||  // one of several bodies
+      !same_ports(body, params) ||  // one of several bodies or worlds
       std::any_of(body.ports.begin(), body.ports.end(), loose)) {
     return std::nullopt;
   }
