@@ -21,6 +21,14 @@ CallTimeline::Range CallTimeline::workers_of(wire::SideName side) const {
   return {worlds_, names_.size()};
 }
 
+std::string CallTimeline::program_of(std::size_t worker) const {
+  const bool rigid = worker < worlds_;
+  const std::string program = rigid ? "tandem-mbs" : "tandem-fem";
+  const std::string& name = names_[worker];
+  const bool is_one = rigid && worlds_ == 1;
+  return is_one || "tandem-" + name == program ? program : program + " " + name;
+}
+
 std::size_t CallTimeline::worker_of(const wire::CallRecord& call, std::size_t part) const {
   const Range range = workers_of(call.side);
   const bool one_of_several = call.kind == wire::CallKind::Command && range.size() > 1;

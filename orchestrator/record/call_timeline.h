@@ -31,10 +31,8 @@ class CallTimeline {
   [[nodiscard]] std::vector<Errand> errands(const wire::CallRecord& call) const;
 
   [[nodiscard]] const std::vector<std::string>& workers() const { return names_; }
-  /// "tandem-mbs" or "tandem-fem".
-  [[nodiscard]] std::string program_of(std::size_t worker) const {
-    return worker < worlds_ ? "tandem-mbs" : "tandem-fem";
-  }
+  /// "tandem-mbs", "tandem-fem", "tandem-fem conrod"; of a single world without its name.
+  [[nodiscard]] std::string program_of(std::size_t worker) const;
   /// Whether the worker computed in the driver's process; of the calls learned.
   [[nodiscard]] bool is_here(std::size_t worker) const { return clocks_[worker].bounds.empty(); }
   [[nodiscard]] const ClockFit& clock(std::size_t worker) const { return clocks_[worker].fit; }

@@ -48,7 +48,7 @@ CallTimeline learned(const RunDirectory& run) {
 /// Name of the process that ran the loop: with a side in it, or with both, or in between.
 std::string driver_of(const CallTimeline& timeline) {
   for (std::size_t w = 1; w < timeline.workers().size(); ++w) {
-    if (!timeline.is_here(w)) return timeline.is_here(0) ? "tandem-mbs" : "tandem";
+    if (!timeline.is_here(w)) return timeline.is_here(0) ? timeline.program_of(0) : "tandem";
   }
   return "tandem";
 }

@@ -45,7 +45,7 @@ inline std::filesystem::path two_worlds(int links, const TemporaryFolder& folder
     return "  - name: " + name + "\n    bodies:\n" + bodies + "    joints:\n" + joints;
   };
 
-  std::string text = "name: two_worlds\nrun: {duration_s: 0.2, macro_step_s: 0.001}\nports:\n";
+  std::string text = "name: two_worlds\nrun: {duration_s: 0.06, macro_step_s: 0.001}\nports:\n";
   for (int link = 1; link <= links; ++link) {
     const std::string n = std::to_string(link);
     const std::string ends[] = {link == 1 ? "crank" : "block", link == 1 ? "block" : "anvil"};

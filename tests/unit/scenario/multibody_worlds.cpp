@@ -108,7 +108,7 @@ TEST(MultibodyWorlds, DefectsNameThePlace) {
                     "mbs:\n  - {name: u, bodies: [{name: a}]}\n"
                     "  - {name: v, bodies: [{name: a}]}\nfem: {}\n",
                 table,
-                "scenario.yaml:5:32: mbs.v.bodies.a.name: 'a' is a body of world 'u' as well. The "
+                "scenario.yaml:5:31: mbs.v.bodies.a.name: 'a' is a body of world 'u' as well. The "
                 "names of bodies differ over all worlds, since ports name them.");
   expect_defect(ports_on({"a"}) + "mbs:\n  - {name: fem, bodies: [{name: a}]}\nfem: {}\n", table,
                 "scenario.yaml:4:12: mbs.fem.name: 'fem' is the name of a process of every run. "
