@@ -141,7 +141,7 @@ std::vector<scenario::Node> mbs_sections(const Model& model) {
 }
 
 Model part_of(const Model& model, std::size_t body) {
-  if (model.bodies.size() == 1) return model;
+  if (!model.scenario.root.holds_list("fem")) return model;
   Model part = model;
   part.scenario.root = model.bodies[body].root;
   part.port_names = of_ports(model.port_names, model.bodies[body].ports);

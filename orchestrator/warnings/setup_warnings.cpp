@@ -59,10 +59,10 @@ std::optional<Finding> gravity_on_one_side(const scenario::Node& root) {
   const bool on_rigid = flexible.isZero(0.0);
   const scenario::Node& where = on_rigid ? fem : mbs;
   return finding_at(where, key, "gravity_on_one_side",
-                    fmt::format("mbs.{0} is {1}, fem.{0} is {2}: each side has its own, and one is "
-                                "left out or other. Set {3}.{0}: {4}.",
-                                key, text(rigid), text(flexible), on_rigid ? "fem" : "mbs",
-                                text(on_rigid ? rigid : flexible)));
+                    fmt::format("{} is {}, {} is {}: each side has its own, and one is left out or "
+                                "other. Set {}: {}.",
+                                mbs.path_name(key), text(rigid), fem.path_name(key), text(flexible),
+                                where.path_name(key), text(on_rigid ? rigid : flexible)));
 }
 
 std::optional<Finding> orders_differ(const scenario::Node& root) {
@@ -77,11 +77,12 @@ std::optional<Finding> orders_differ(const scenario::Node& root) {
       "the other side's integrator is of second order and this one of first, and so is the run; "
       "the interface loses or makes energy. Set {}, or leave both at their defaults.";
   if (rigid) {
-    return finding_at(fem.section("integrator"), "kind", "orders_differ",
-                      fmt::format(fmt::runtime(text), "fem.integrator.kind: generalised_alpha"));
+    return finding_at(
+        fem.section("integrator"), "kind", "orders_differ",
+        fmt::format(fmt::runtime(text), fem.path_name("integrator.kind") + ": generalised_alpha"));
   }
   return finding_at(mbs, "integrator", "orders_differ",
-                    fmt::format(fmt::runtime(text), "mbs.integrator: verlet"));
+                    fmt::format(fmt::runtime(text), mbs.path_name("integrator") + ": verlet"));
 }
 
 std::optional<Finding> turn_per_step(const Model& model, const mbs::Params& params) {

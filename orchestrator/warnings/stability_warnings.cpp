@@ -139,14 +139,15 @@ std::optional<Finding> unstable_verlet(const Model& model, const mbs::Params& pa
   const double limit = verlet_limit_rad(params.newmark_beta);
   if (found.angle_rad <= limit) return std::nullopt;
   const double H_s = to_seconds(model.run.macro_step);
+  const scenario::Node mbs = model.scenario.root.section("mbs");
   return finding_at(
-      model.scenario.root.section("mbs"), "newmark_beta", "unstable_verlet",
+      mbs, "newmark_beta", "unstable_verlet",
       fmt::format("with β = {:.4g} the coupled step is certain to be stable only while ω H stays "
                   "below {:.3g} for the rigid bodies on the stiffness of the elements at their "
-                  "ports; at port '{}' it is {:.3g}. Set mbs.newmark_beta: 0.25, or "
+                  "ports; at port '{}' it is {:.3g}. Set {}: 0.25, or "
                   "run.macro_step_s to {:.2g} or less.",
                   params.newmark_beta, limit, found.port, found.angle_rad,
-                  H_s * limit / found.angle_rad));
+                  mbs.path_name("newmark_beta"), H_s * limit / found.angle_rad));
 }
 
 }  // namespace tandem::orchestrator

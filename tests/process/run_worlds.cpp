@@ -192,6 +192,16 @@ TEST(RunWorldsCommands, ReadTheirRuns) {
       << compare.output;
 }
 
+// A flexible body with ports in two worlds is held against both.
+TEST(RunWorldsCommands, CheckWarnsOfEachPair) {
+  const Worlds worlds(1);
+  const Ended check = tandem_command(
+      {"check", worlds.scenario.string(), "--set", "mbs.far.gravity_m_per_s2=[0, 0, -1]"});
+  EXPECT_EQ(check.code, 0) << check.output;
+  EXPECT_NE(check.output.find("mbs.far.gravity_m_per_s2"), std::string::npos) << check.output;
+  EXPECT_EQ(check.output.find("mbs.near.gravity_m_per_s2"), std::string::npos) << check.output;
+}
+
 TEST(RunWorldsCommands, AdviceIsGiven) {
   const Worlds worlds(1);
   const Ended advise =
