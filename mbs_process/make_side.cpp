@@ -14,6 +14,7 @@ std::unique_ptr<RigidWorld> make_side(const scenario::Node& root,
 
   std::vector<std::string> names;
   for (const BodyParams& body : world->params().bodies) names.push_back(body.name);
+  std::filesystem::create_directories(directory);
   // shared_ptr: std::function must be copyable, although this one never is copied.
   auto csv = std::make_shared<BodiesCsv>(directory / "bodies.csv", names, every_steps);
   const SimTime end = scenario::read_run(root).duration;
@@ -22,6 +23,12 @@ std::unique_ptr<RigidWorld> make_side(const scenario::Node& root,
     if (state.time >= end) csv->finish();
   });
   return world;
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& run_folder, const scenario::Node& root,
+                                std::size_t worlds) {
+  if (run_folder.empty() || worlds == 1) return run_folder;
+  return run_folder / root.section("mbs").text("name");
 }
 
 }  // namespace tandem::mbs

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 
@@ -12,5 +13,10 @@ namespace tandem::mbs {
 /// accepted state as `output.bodies_every_steps` says; an empty one writes nothing.
 [[nodiscard]] std::unique_ptr<RigidWorld> make_side(const scenario::Node& root,
                                                     const std::filesystem::path& directory);
+
+/// Where a world of so many writes its files within the run's folder: one into the folder itself,
+/// several each into a folder of its name, made with the first file. Empty stays empty: no files.
+[[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& run_folder,
+                                              const scenario::Node& root, std::size_t worlds);
 
 }  // namespace tandem::mbs

@@ -263,6 +263,8 @@ Key mbs_keys() {
   mbs.title = "Multibody side";
   mbs.doc = "Rigid bodies, joints and loads, integrated by the Open Dynamics Engine (dWorldStep).";
   mbs.keys = {
+      scenario::name("name").doc_is(
+          "Name of the world, by which `tandem replay --side` knows it. Each of several has one."),
       scenario::reals("gravity_m_per_s2", "m/s²")
           .count(3)
           .by_default("[0, 0, -9.81]")
@@ -307,7 +309,13 @@ Key mbs_keys() {
       forces_key(),
   };
   mbs.check = [](const scenario::Node& node) { (void)read_mechanism(node); };
-  return scenario::section("mbs", std::move(mbs)).must().doc_is("The multibody side.");
+  return scenario::section("mbs", std::move(mbs))
+      .must()
+      .or_several()
+      .doc_is(
+          "The multibody side; or a list of several named worlds, each in a process of its own, "
+          "which are coupled through flexible bodies only. A port belongs to the world that has "
+          "its body.");
 }
 
 }  // namespace tandem::mbs

@@ -161,6 +161,18 @@ void refuse(const Node& node, const std::optional<Defect>& defect) {
   if (defect) node.fail(defect->key, defect->text);
 }
 
+/// Of several worlds, an end may be a body of another one: refuse_links() says so by name.
+bool ends_elsewhere(const Node& mbs, const Node& link, const std::vector<std::string>& ends,
+                    const Params& params) {
+  if (mbs.path_name() == "mbs") return false;
+  return std::any_of(ends.begin(), ends.end(), [&](const std::string& end) {
+    const std::string body = link.text(end);
+    return body != kWorld &&
+           std::none_of(params.bodies.begin(), params.bodies.end(),
+                        [&](const BodyParams& known) { return known.name == body; });
+  });
+}
+
 SimTime read_micro_step(const Node& mbs, SimTime macro_step) {
   SimTime h{};
   try {
@@ -206,10 +218,12 @@ Params read_mechanism(const Node& mbs) {
   if (params.bodies.empty()) mbs.fail("bodies", "is missing: name a body or a junction.");
   for (const Node& node : list_or_none(mbs, "joints")) {
     params.joints.push_back(read_joint(node));
+    if (ends_elsewhere(mbs, node, {"body1", "body2"}, params)) continue;
     refuse(node, find_defect(params.joints.back(), params));
   }
   for (const Node& node : list_or_none(mbs, "springs")) {
     params.springs.push_back(read_spring(node));
+    if (ends_elsewhere(mbs, node, {"body1", "body2"}, params)) continue;
     refuse(node, find_defect(params.springs.back(), params));
   }
   for (const Node& node : list_or_none(mbs, "joint_springs")) {
@@ -218,6 +232,7 @@ Params read_mechanism(const Node& mbs) {
   }
   for (const Node& node : list_or_none(mbs, "forces")) {
     params.forces.push_back(read_force(node));
+    if (ends_elsewhere(mbs, node, {"body"}, params)) continue;
     refuse(node, find_defect(params.forces.back(), params));
   }
   return params;

@@ -23,7 +23,7 @@ tandem_test(coupled_reference
 tandem_test(coupled_equivalence
   SOURCES equivalence/coupled_bodies.cpp equivalence/coupled_coarse_steps.cpp
     equivalence/coupled_junctions.cpp
-    equivalence/coupled_multi_rate.cpp
+    equivalence/coupled_multi_rate.cpp equivalence/coupled_worlds.cpp
     equivalence/coupled_schemes.cpp equivalence/coupled_symmetry.cpp
   LIBS coupled_support nlohmann_json::nlohmann_json LABELS equivalence)
 

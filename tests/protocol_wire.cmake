@@ -1,5 +1,5 @@
 # Tests of protocol_wire, one executable a line.
-tandem_test(wire_messages SOURCES unit/wire/chunks.cpp unit/wire/filter.cpp unit/wire/messages.cpp unit/wire/poll_budget.cpp unit/wire/requests.cpp LIBS tandem_wire lcm::lcm ZLIB::ZLIB LABELS unit)
+tandem_test(wire_messages SOURCES unit/wire/chunks.cpp unit/wire/filter.cpp unit/wire/messages.cpp unit/wire/poll_budget.cpp unit/wire/process_names.cpp unit/wire/requests.cpp LIBS tandem_wire lcm::lcm ZLIB::ZLIB LABELS unit)
 target_include_directories(wire_messages SYSTEM PRIVATE ${PROJECT_BINARY_DIR}/protocol/wire/generated)
 tandem_test(wire_log SOURCES unit/wire/log.cpp LIBS tandem_wire lcm::lcm LABELS unit)
 tandem_test(wire_bytes SOURCES golden/wire_bytes.cpp LIBS tandem_wire LABELS golden)

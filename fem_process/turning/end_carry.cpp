@@ -223,38 +223,65 @@ Carried EndCarry::begin(const State& state, double h_s) const {
   return carried;
 }
 
+namespace {
+
+/// Rigid velocities with the mean motion of what holds a part.
+Motion mean_of(const std::vector<Motion>& holders) {
+  const double share = 1.0 / static_cast<double>(holders.size());
+  Motion mean;
+  for (const Motion& holder : holders) {
+    mean.p_WP += share * holder.p_WP;
+    mean.v_WP += share * holder.v_WP;
+    mean.w_WP += share * holder.w_WP;
+  }
+  return mean;
+}
+
+}  // namespace
+
 /// y = v_o + Q (u − v_o − ω × (x̃ − p_o)) of the rigid velocities u with the mean motion of the
-/// holders, (p_o, v_o) what carries the node at the end of the step.
+/// holders, (p_o, v_o) what carries the node at the end of the step. Carried::lag takes all of a
+/// node's velocity beyond what carries it for damped; of u − v_o − ω × r at the beginning, where
+/// holders move against each other, it is taken back.
 void EndCarry::refer(std::size_t s, const State& begin, const Carried& carried,
                      const MotionSet& end, Eigen::VectorXd& v) const {
   const BodyPart& part = parts_[s];
   const Carried::Turn& turn = carried.turns[s];
-  const double share = 1.0 / static_cast<double>(part.holders.size());
-  std::vector<Motion> holders;
-  Motion rigid;
-  for (int holder : part.holders) {
-    Motion& motion = holders.emplace_back();
-    if (holder == BodyPart::kGround) {
-      motion.p_WP = ground(part, begin.x);
-    } else {
-      motion = end[static_cast<std::size_t>(holder)];
+  const auto holders_of = [&](const MotionSet& ports) {
+    std::vector<Motion> holders;
+    for (int holder : part.holders) {
+      Motion& motion = holders.emplace_back();
+      if (holder == BodyPart::kGround) {
+        motion.p_WP = ground(part, begin.x);
+      } else {
+        motion = ports[static_cast<std::size_t>(holder)];
+      }
     }
-    rigid.p_WP += share * motion.p_WP;
-    rigid.v_WP += share * motion.v_WP;
-    rigid.w_WP += share * motion.w_WP;
-  }
+    return holders;
+  };
+  const std::vector<Motion> holders = holders_of(end), before = holders_of(carried.ports);
+  const Motion rigid = mean_of(holders), rigid_before = mean_of(before);
   for (std::size_t i = 0; i < part.nodes.size(); ++i) {
     const Eigen::Index row = 3 * part.nodes[i];
     const Eigen::Vector3d x = at(carried.map.x_tilde, row);
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
     Eigen::Vector3d v_o = Eigen::Vector3d::Zero();
+    Eigen::Vector3d p_before = Eigen::Vector3d::Zero();
+    Eigen::Vector3d v_before = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < holders.size(); ++k) {
       const double phi = part.shares(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
       p += phi * holders[k].p_WP;
       v_o += phi * holders[k].v_WP;
+      p_before += phi * before[k].p_WP;
+      v_before += phi * before[k].v_WP;
     }
+    const Eigen::Vector3d x_before = at(begin.x, row);
+    const Eigen::Vector3d apart =
+        rigid_before.v_WP + rigid_before.w_WP.cross(Eigen::Vector3d(x_before - rigid_before.p_WP)) -
+        v_before - turn.omega.cross(Eigen::Vector3d(x_before - p_before));
     const Eigen::Vector3d u = rigid.v_WP + rigid.w_WP.cross(Eigen::Vector3d(x - rigid.p_WP));
-    v.segment<3>(row) = v_o + turn.Q * (u - v_o - turn.omega.cross(Eigen::Vector3d(x - p)));
+    v.segment<3>(row) = v_o + turn.Q * (u - v_o - turn.omega.cross(Eigen::Vector3d(x - p))) -
+                        (apart - turn.Q.transpose() * apart);
   }
 }
 

@@ -72,8 +72,12 @@ void MiddleCarry::refer(std::size_t s, const State& begin, const Carried& carrie
     const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
     const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
     const Eigen::Vector3d to = fixed ? at : end[p].p_WP;
-    const Eigen::Vector3d carried_at = turn.about + turn.Q * (at - turn.about);
-    astray.push_back((to - carried_at) / carried.h_s - motion.v_WP);
+    // Differences first, and none without a turn: the rounding of positions enters forces with
+    // the stiffness.
+    const Eigen::Vector3d turned = (turn.Q - Eigen::Matrix3d::Identity()) * (at - turn.about);
+    astray.push_back(turn.omega.isZero(0.0)
+                         ? Eigen::Vector3d::Zero().eval()
+                         : Eigen::Vector3d(((to - at) - turned) / carried.h_s - motion.v_WP));
     rigid.p_WP += share * (turn.about + turn.half * (at - turn.about));
     rigid.v_WP += share * (motion.v_WP + astray.back());
     rigid.w_WP += share * motion.w_WP;

@@ -88,26 +88,35 @@ SolverChange other_refresh(const Model& model) {
 }  // namespace
 
 std::vector<IntegratorPair> integrator_pairs(const Model& model) {
-  const scenario::Node& root = model.scenario.root;
+  const std::vector<scenario::Node> worlds = mbs_sections(model);
   const std::vector<scenario::Node> open =
       those(fems_of(model), [](const scenario::Node& fem) { return !one_integrator(fem); });
   const bool one = open.empty();
-  const bool rigid_second = root.section("mbs").text("integrator") != "euler";
+  const auto euler = [](const scenario::Node& mbs) { return mbs.text("integrator") == "euler"; };
+  const bool rigid_second = std::none_of(worlds.begin(), worlds.end(), euler);
+  const bool rigid_first = std::all_of(worlds.begin(), worlds.end(), euler);
   const bool flexible_second = std::all_of(open.begin(), open.end(), is_second_order);
   const bool second = rigid_second && (one || flexible_second);
   const bool flexible_first = std::none_of(open.begin(), open.end(), is_second_order);
-  const bool first = !rigid_second && (one || flexible_first);
+  const bool first = rigid_first && (one || flexible_first);
   std::vector<IntegratorPair> pairs = {{.name = "own", .order = second ? 2 : 1, .settings = {}}};
   if (!second) {
-    Settings settings{one ? "mbs.integrator=verlet" : "mbs.integrator=generalised_alpha"};
-    if (!one) settings.emplace_back("mbs.rho_infinity=0.8");
+    Settings settings;
+    for (const scenario::Node& mbs : worlds) {
+      const std::string key = mbs.path_name("integrator");
+      settings.push_back(key + (one ? "=verlet" : "=generalised_alpha"));
+      if (!one) settings.push_back(mbs.path_name("rho_infinity") + "=0.8");
+    }
     for (const scenario::Node& fem : open) {
       settings = joined(std::move(settings), generalised_alpha(fem));
     }
     pairs.push_back({.name = "second order", .order = 2, .settings = std::move(settings)});
   }
   if (!first) {
-    pairs.push_back({.name = "first order", .order = 1, .settings = {"mbs.integrator=euler"}});
+    pairs.push_back({.name = "first order", .order = 1, .settings = {}});
+    for (const scenario::Node& mbs : worlds) {
+      pairs.back().settings.push_back(mbs.path_name("integrator") + "=euler");
+    }
     for (const scenario::Node& fem : open) {
       pairs.back().settings.push_back(backward_euler(fem));
     }
@@ -147,8 +156,8 @@ Settings own_settings(const Model& model) {
 
 Settings step_settings(const Model& model, double step_s) {
   Settings settings = {fmt::format("run.macro_step_s={}", step_s)};
-  std::vector<scenario::Node> sides = fems_of(model);
-  sides.insert(sides.begin(), model.scenario.root.section("mbs"));
+  std::vector<scenario::Node> sides = mbs_sections(model);
+  for (const scenario::Node& fem : fems_of(model)) sides.push_back(fem);
   for (const scenario::Node& node : sides) {
     if (!node.has("micro_step_s")) continue;
     const double micro_steps =

@@ -123,8 +123,14 @@ MotionSet held_ports(const scenario::Node& root) {
   if (!root.has("ports")) return motions;
   const std::vector<scenario::PortParams> ports = scenario::read_ports(root);
   if (root.has("mbs")) {
-    motions = mbs::make_side(root, {})->initialize(WrenchSet(ports.size()));
-    for (Motion& motion : motions) motion = {.p_WP = motion.p_WP, .q_WP = motion.q_WP};
+    motions.resize(ports.size());
+    for (const scenario::MultibodyWorld& world : scenario::multibody_worlds(root)) {
+      const MotionSet own =
+          mbs::make_side(world.root, {})->initialize(WrenchSet(world.ports.size()));
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        motions[world.ports[i]] = {.p_WP = own[i].p_WP, .q_WP = own[i].q_WP};
+      }
+    }
     return motions;
   }
   for (const scenario::PortParams& port : ports) {

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <vector>
@@ -29,7 +31,7 @@
 #include "orchestrator/warnings/warnings.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
-#include "protocol/driver/composite_fem.h"
+#include "protocol/driver/composite_side.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -140,28 +142,42 @@ std::string check_flexible(const std::string& file, const scenario::Node& root) 
          lines_of(warnings_of(root, model));
 }
 
-/// One of the flexible bodies. What is said of the run as a whole may stand in `found` already.
-std::string describe_body(const Model& part, const MotionSet& origins,
-                          const mbs::Params& mbs_params, std::vector<Finding>& found) {
+bool has_fine_steps(const scenario::Node& mbs) {
+  return mbs.has("micro_step_s") || mbs.text("integrator") != "euler";
+}
+
+/// What is said of the run as a whole may stand in `found` already.
+void add_new(std::vector<Finding> findings, std::vector<Finding>& found) {
+  for (Finding& finding : findings) {
+    const bool known = std::any_of(found.begin(), found.end(), [&](const Finding& other) {
+      return other.text == finding.text;
+    });
+    if (!known) found.push_back(std::move(finding));
+  }
+}
+
+using WorldParams = std::map<std::string, mbs::Params>;
+
+/// One of the flexible bodies, beside the worlds that carry it.
+std::string describe_body(const Model& part, const MotionSet& origins, const WorldParams& worlds,
+                          std::vector<Finding>& found) {
   const auto fem = fem::make_model(part.scenario.root, {});
   std::string text;
   const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get());
   if (body != nullptr) {
     text += describe(body->model(), origins);
-    const scenario::Node mbs_keys = part.scenario.root.section("mbs");
-    if (body->model().params.nodal &&
-        (mbs_keys.has("micro_step_s") || mbs_keys.text("integrator") != "euler")) {
+    if (body->model().params.nodal && has_fine_steps(part.scenario.root.section("mbs"))) {
       text +=
           "  note: with mbs.micro_step_s or mbs.integrator: verlet, explicit_serial is unstable at "
           "every step unless damping outweighs it; use interface_jacobian\n";
     }
   }
-  for (Finding& finding :
-       warnings_of(part, mbs_params, body == nullptr ? nullptr : &body->model(), origins)) {
-    const bool known = std::any_of(found.begin(), found.end(), [&](const Finding& other) {
-      return other.text == finding.text;
-    });
-    if (!known) found.push_back(std::move(finding));
+  for (const scenario::MultibodyWorld& world : scenario::worlds_at(part.scenario.root)) {
+    Model seen = part;
+    seen.scenario.root = world.root;
+    add_new(warnings_of(seen, worlds.at(world.name), body == nullptr ? nullptr : &body->model(),
+                        origins),
+            found);
   }
   if (const auto* beams = dynamic_cast<const fem::ancf::BeamBody*>(fem.get())) {
     fem::ancf::check_overlap(beams->params(), origins);
@@ -170,29 +186,48 @@ std::string describe_body(const Model& part, const MotionSet& origins,
   return text;
 }
 
+/// Of several worlds: who is who, and which ports are whose.
+std::string table_of_sides(const Model& model) {
+  if (model.worlds.size() == 1) return {};
+  std::string text;
+  const auto add = [&](const char* program, const scenario::BodyPorts& side) {
+    const std::string name = side.name.empty() ? "" : " '" + side.name + "'";
+    text += fmt::format("  {}{}: {}\n", program, name,
+                        fmt::join(of_ports(model.port_names, side.ports), ", "));
+  };
+  for (const scenario::BodyPorts& world : model.world_table) add("world", world);
+  for (const scenario::BodyPorts& body : model.table) add("flexible body", body);
+  return text;
+}
+
 std::string check_coupled(const ScenarioOptions& options) {
   const Model model = options.load();
-  const auto mbs = mbs::make_side(model.scenario.root, {});
+  WorldParams worlds;
+  for (const scenario::MultibodyWorld& world : model.worlds) {
+    worlds.emplace(world.name, mbs::make_side(world.root, {})->params());
+  }
   (void)make_fem(model, {});  // with what the scheme puts before it
   std::string text =
       fmt::format("{}: good. {} macro steps of {} s, {} port(s), scheme {}\n", options.file,
                   model.run.macro_steps(), to_seconds(model.run.macro_step),
                   model.port_names.size(), to_string(model.coupling.scheme));
   if (!model.chosen.empty()) text += "  chosen: " + text_of(model.chosen) + "\n";
-  const MotionSet origins = mbs->initialize(WrenchSet(model.port_names.size()));
+  text += table_of_sides(model);
+  const MotionSet origins = make_mbs(model, {})->initialize(WrenchSet(model.port_names.size()));
   std::vector<Finding> found;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (model.bodies.size() > 1) text += fmt::format("  '{}':\n", model.bodies[b].name);
-    text += describe_body(part_of(model, b), of_ports(origins, model.bodies[b].ports),
-                          mbs->params(), found);
+    text +=
+        describe_body(part_of(model, b), of_ports(origins, model.bodies[b].ports), worlds, found);
   }
   text += lines_of(found);
   for (const std::string& note : notes_of(model.coupling)) text += "  warning: " + note + "\n";
-  if (const auto warning = mbs::spring_warning(mbs->params())) {
-    text += "  warning: " + *warning + "\n";
-  }
-  if (const auto warning = mbs::drift_warning(mbs->params(), to_seconds(model.run.duration))) {
-    text += "  warning: " + *warning + "\n";
+  for (const scenario::MultibodyWorld& world : model.worlds) {
+    const mbs::Params& params = worlds.at(world.name);
+    if (const auto warning = mbs::spring_warning(params)) text += "  warning: " + *warning + "\n";
+    if (const auto warning = mbs::drift_warning(params, to_seconds(model.run.duration))) {
+      text += "  warning: " + *warning + "\n";
+    }
   }
   return text;
 }
@@ -218,9 +253,7 @@ void add_check(CLI::App& app) {
         (coupled ? check_coupled(*options) : check_flexible(options->file, loaded.root)).c_str());
     if (graph->empty()) return;
     require(coupled, "--graph: the scenario has no section mbs; one flexible body is no graph.");
-    const Model model = options->load();
-    const auto mbs = mbs::make_side(model.scenario.root, {});
-    write_whole_file(*graph, svg_of(graph_of(model, mbs->params())));
+    write_whole_file(*graph, svg_of(graph_of(options->load())));
   });
 }
 

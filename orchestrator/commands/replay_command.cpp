@@ -59,8 +59,9 @@ void add_replay(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand(
       "replay", "Drive one real side from a run's log, or publish the log on LCM again");
   sub->add_option("RUN", command->run, "Run folder")->required();
-  sub->add_option("--side", command->side,
-                  "Side to drive: mbs, fem, or the name of one of several flexible bodies");
+  sub->add_option(
+      "--side", command->side,
+      "Side to drive: mbs, fem, or the name of one of several worlds or flexible bodies");
   sub->add_option("--tolerance", command->tolerance,
                   "Allowed difference relative to max(1, |logged|); 0 = the same bits")
       ->check(number_from_zero())

@@ -123,10 +123,13 @@ struct RunCommand {
   /// What springs make unstable, the coupling's own monitors may notice first and blame on
   /// themselves.
   static void note_springs(const Model& model, const RunOutcome& outcome) {
-    const auto warning = mbs::spring_warning(mbs::make_side(model.scenario.root, {})->params());
     const auto message = outcome.summary.at("message").get<std::string>();
-    if (!warning || message.find(*warning) != std::string::npos) return;
-    std::fprintf(stderr, "note: the multibody side is unstable by itself: %s\n", warning->c_str());
+    for (const scenario::MultibodyWorld& world : model.worlds) {
+      const auto warning = mbs::spring_warning(mbs::make_side(world.root, {})->params());
+      if (!warning || message.find(*warning) != std::string::npos) continue;
+      std::fprintf(stderr, "note: the multibody side is unstable by itself: %s\n",
+                   warning->c_str());
+    }
   }
 
   static void report(const RunOutcome& outcome, const RunDirectory& directory) {

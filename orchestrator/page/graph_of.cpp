@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <utility>
 
+#include "mbs_process/mbs_keys.h"
 #include "orchestrator/page/system_graph.h"
 #include "protocol/driver/remote_bodies.h"
+#include "protocol/driver/remote_worlds.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -13,7 +17,10 @@ using Graph = SystemGraph;
 
 class Drawing {
  public:
-  Drawing(const Model& model, const mbs::Params& params) : model_(model), params_(params) {}
+  explicit Drawing(const Model& model) : model_(model) {
+    for (const scenario::MultibodyWorld& world : model.worlds)
+      add_world(mbs::read_params(world.root));
+  }
 
   Graph make() {
     graph_.title = model_.name;
@@ -25,6 +32,14 @@ class Drawing {
   }
 
  private:
+  /// Names of bodies differ over all worlds.
+  void add_world(mbs::Params world) {
+    rigid_bodies_.push_back(world.bodies.size());
+    std::move(world.bodies.begin(), world.bodies.end(), std::back_inserter(params_.bodies));
+    std::move(world.joints.begin(), world.joints.end(), std::back_inserter(params_.joints));
+    std::move(world.springs.begin(), world.springs.end(), std::back_inserter(params_.springs));
+  }
+
   void add_bodies() {
     if (uses_ground()) graph_.nodes.push_back({Graph::Part::Ground, mbs::kWorld, ""});
     first_rigid_ = graph_.nodes.size();
@@ -92,10 +107,13 @@ class Drawing {
   }
 
   void add_processes() {
-    const wire::ProcessNames names = process_names(model_.table);
-    graph_.processes.push_back(fmt::format("tandem-mbs: {} rigid bodies, scheme {}",
-                                           params_.bodies.size(),
-                                           to_string(model_.coupling.scheme)));
+    const wire::ProcessNames names = process_names(model_.table, model_.world_table);
+    const std::vector<wire::Process> worlds = world_processes(model_.world_table);
+    for (std::size_t w = 0; w < worlds.size(); ++w) {
+      graph_.processes.push_back(
+          fmt::format("{}: {} rigid bodies", names.program(worlds[w]), rigid_bodies_[w]) +
+          (w == 0 ? fmt::format(", scheme {}", to_string(model_.coupling.scheme)) : ""));
+    }
     for (const wire::Process process : processes_of(model_.table)) {
       graph_.processes.push_back(names.program(process) + ": a flexible body");
     }
@@ -103,15 +121,14 @@ class Drawing {
   }
 
   const Model& model_;
-  const mbs::Params& params_;
+  mbs::Params params_;                     ///< bodies, joints and springs of all worlds
+  std::vector<std::size_t> rigid_bodies_;  ///< of each world
   Graph graph_;
   std::size_t first_rigid_ = 0, first_flexible_ = 0;
 };
 
 }  // namespace
 
-SystemGraph graph_of(const Model& model, const mbs::Params& params) {
-  return Drawing(model, params).make();
-}
+SystemGraph graph_of(const Model& model) { return Drawing(model).make(); }
 
 }  // namespace tandem::orchestrator

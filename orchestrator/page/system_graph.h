@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "mbs_process/params.h"
 #include "orchestrator/scenario/model.h"
 
 namespace tandem::orchestrator {
@@ -32,7 +31,7 @@ struct SystemGraph {
 
 /// The system of a scenario: the ground where something is fixed to it, rigid bodies, flexible
 /// bodies; joints, springs, ports.
-[[nodiscard]] SystemGraph graph_of(const Model& model, const mbs::Params& params);
+[[nodiscard]] SystemGraph graph_of(const Model& model);
 
 /// Drawn in layers from the ground (or the first body) to the right: nodes as boxes, their order
 /// in a layer such that links cross little, links as labelled curves. One self-contained SVG; the

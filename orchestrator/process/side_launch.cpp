@@ -32,7 +32,8 @@ SideLaunch::SideLaunch(const std::vector<wire::Process>& sides, const wire::Proc
         "--scenario", directory.scenario().string(), "--run", fmt::format("{:016x}", run_id),
         "--port",     std::to_string(port),          "--dir", directory.path().string()};
     if (static_cast<std::size_t>(side) >= wire::kFirstBody) {
-      arguments.insert(arguments.end(), {"--body", names.name(side)});
+      arguments.insert(arguments.end(),
+                       {wire::is_multibody(side) ? "--world" : "--body", names.name(side)});
     }
     if (attach) {
       std::fprintf(stderr, "start by hand: %s %s\n", executable.c_str(),

@@ -8,24 +8,42 @@
 
 namespace tandem::orchestrator {
 
-CallTimeline::CallTimeline(const std::vector<std::string>& bodies) : names_{"mbs"} {
+CallTimeline::CallTimeline(const std::vector<std::string>& bodies,
+                           const std::vector<std::string>& worlds)
+    : worlds_(worlds.size()) {
+  for (const std::string& world : worlds) names_.push_back(world.empty() ? "mbs" : world);
   for (const std::string& body : bodies) names_.push_back(body.empty() ? "fem" : body);
   clocks_.resize(names_.size());
 }
 
+CallTimeline::Range CallTimeline::workers_of(wire::SideName side) const {
+  if (side == wire::SideName::Mbs) return {0, worlds_};
+  return {worlds_, names_.size()};
+}
+
+std::string CallTimeline::program_of(std::size_t worker) const {
+  const bool rigid = worker < worlds_;
+  const std::string program = rigid ? "tandem-mbs" : "tandem-fem";
+  const std::string& name = names_[worker];
+  const bool is_one = rigid && worlds_ == 1;
+  return is_one || "tandem-" + name == program ? program : program + " " + name;
+}
+
 std::size_t CallTimeline::worker_of(const wire::CallRecord& call, std::size_t part) const {
-  if (call.side == wire::SideName::Mbs) return 0;
-  const bool one_of_several = call.kind == wire::CallKind::Command && names_.size() > 2;
+  const Range range = workers_of(call.side);
+  const bool one_of_several = call.kind == wire::CallKind::Command && range.size() > 1;
   if (one_of_several) {
+    const auto begin = names_.begin() + static_cast<std::ptrdiff_t>(range.begin);
     const auto name =
-        std::find(names_.begin() + 1, names_.end(), call.command.substr(0, call.command.find(' ')));
+        std::find(begin, names_.end(), call.command.substr(0, call.command.find(' ')));
     if (name != names_.end()) return static_cast<std::size_t>(name - names_.begin());
   }
-  require(part + 1 < names_.size() && (one_of_several || call.times.parts.size() <= 1 ||
-                                       call.times.parts.size() + 1 == names_.size()),
-          fmt::format("log: a call of macro step {} has times of {} bodies; the scenario has {}",
-                      call.macro_step, call.times.parts.size(), names_.size() - 1));
-  return part + 1;
+  require(part < range.size() && (one_of_several || call.times.parts.size() <= 1 ||
+                                  call.times.parts.size() == range.size()),
+          fmt::format("log: a call of macro step {} has times of {} {}; the scenario has {}",
+                      call.macro_step, call.times.parts.size(),
+                      call.side == wire::SideName::Mbs ? "worlds" : "bodies", range.size()));
+  return range.begin + part;
 }
 
 OffsetBounds CallTimeline::bounds_of(const wire::PartTimes& part, double origin_us) {

@@ -16,11 +16,11 @@
 #include "orchestrator/record/output_difference.h"
 #include "protocol/contract/error.h"
 #include "protocol/contract/whole_file.h"
-#include "protocol/driver/composite_fem.h"
+#include "protocol/driver/composite_side.h"
 #include "protocol/driver/remote_bodies.h"
+#include "protocol/driver/remote_worlds.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/event_log.h"
-#include "protocol/wire/remote_side.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -51,7 +51,7 @@ const Segment<MotionSet>& inputs(const CallRecord& call) {
 struct Played {
   SideName side;
   std::vector<std::string> ports;
-  std::optional<scenario::BodyPorts> part;  ///< one of several flexible bodies
+  std::optional<scenario::BodyPorts> part;  ///< one of several flexible bodies or worlds
 
   /// Whether the call is a command to another body: its checkpoint is made, and no more.
   [[nodiscard]] bool is_to_other(const CallRecord& call) const {
@@ -92,7 +92,7 @@ std::string repeat(const CallRecord& logged_call, Subsystem<In, Out>& side, cons
   }
   const StepResult<Out> result =
       side.advance({.step = call.step, .input = input, .linearize = call.linearize});
-  // The logged outcome is the worst of all bodies'.
+  // The logged outcome is the worst of all parts'.
   if (played.part ? result.outcome > call.outcome : result.outcome != call.outcome) {
     return fmt::format("logged outcome {}, replayed {} ({})", static_cast<int>(call.outcome),
                        static_cast<int>(result.outcome), result.message);
@@ -134,7 +134,7 @@ void with_processes(const Model& model, const std::filesystem::path& folder,
   options.self = Process::Orchestrator;
   options.run_id = wire::random_run_id();
   options.port = wire::free_port();
-  options.names = process_names(model.table);
+  options.names = process_names(model.table, model.world_table);
   wire::Bus bus(options);
   wire::Heartbeat heartbeat(bus, model.wire.timeout_s);
   heartbeat.set_phase("replaying");
@@ -185,41 +185,73 @@ std::optional<std::int64_t> promised_steps(const RunDirectory& run) {
   return summary.value("macro_steps", std::int64_t{0});
 }
 
-/// The side of `options`, among those that the model has.
+/// The side of this name, among those that the model has.
 Played played_side(const Model& model, const std::string& side) {
   if (side == "mbs") return {SideName::Mbs, model.port_names, std::nullopt};
   if (side == "fem") return {SideName::Fem, model.port_names, std::nullopt};
   std::vector<std::string> names{"mbs", "fem"};
-  for (const scenario::BodyPorts& body : model.table) {
-    if (body.name.empty()) continue;
-    names.push_back(body.name);
-    if (body.name != side) continue;
-    if (model.table.size() == 1) return {SideName::Fem, model.port_names, std::nullopt};
-    return {SideName::Fem, of_ports(model.port_names, body.ports), body};
-  }
+  const auto find = [&](const std::vector<scenario::BodyPorts>& parts,
+                        SideName kind) -> std::optional<Played> {
+    for (const scenario::BodyPorts& part : parts) {
+      if (part.name.empty()) continue;
+      names.push_back(part.name);
+      if (part.name != side) continue;
+      if (parts.size() == 1) return Played{kind, model.port_names, std::nullopt};
+      return Played{kind, of_ports(model.port_names, part.ports), part};
+    }
+    return std::nullopt;
+  };
+  if (const auto world = find(model.world_table, SideName::Mbs)) return *world;
+  if (const auto body = find(model.table, SideName::Fem)) return *body;
   throw Error(ErrorKind::Usage,
               fmt::format("replay: --side {}: the run has no such side.{} It has {}.", side,
                           scenario::did_you_mean(side, names), fmt::join(names, ", ")));
 }
 
+/// The number of the played part; none: all of them.
+std::optional<std::size_t> number_of(const Played& played,
+                                     const std::vector<scenario::BodyPorts>& parts) {
+  std::optional<std::size_t> number;
+  for (std::size_t p = 0; played.part && p < parts.size(); ++p) {
+    if (parts[p].name == played.part->name) number = p;
+  }
+  return number;
+}
+
+/// Their processes, or the one of this number.
+std::vector<Process> those(std::vector<Process> processes, std::optional<std::size_t> only) {
+  if (only) return {processes[*only]};
+  return processes;
+}
+
 void replay_bodies(const Model& model, const Played& played, const ReplayOptions& options,
                    const std::filesystem::path& folder,
                    const std::function<void(FemSide&)>& check) {
-  std::optional<std::size_t> only;
-  for (std::size_t b = 0; played.part && b < model.table.size(); ++b) {
-    if (model.table[b].name == played.part->name) only = b;
-  }
+  const std::optional<std::size_t> only = number_of(played, model.table);
   if (options.mode == Mode::Inproc) {
     return check(*(only ? make_fem(model, model.bodies[*only], {}) : make_fem(model, {})));
   }
-  std::vector<Process> processes = processes_of(model.table);
-  if (only) processes = {processes[*only]};
   with_processes(
-      model, folder, processes,
+      model, folder, those(processes_of(model.table), only),
       [&](wire::Bus& bus, wire::LivenessMonitor& monitor, const wire::RemoteOptions& all) {
         return std::make_unique<RemoteBodies>(bus, monitor, model.table, all, only);
       },
       [&](RemoteBodies& remote) { check(remote.side()); });
+}
+
+void replay_worlds(const Model& model, const Played& played, const ReplayOptions& options,
+                   const std::filesystem::path& folder,
+                   const std::function<void(MbsSide&)>& check) {
+  const std::optional<std::size_t> only = number_of(played, model.world_table);
+  if (options.mode == Mode::Inproc) {
+    return check(*(only ? make_mbs(model, model.worlds[*only], {}) : make_mbs(model, {})));
+  }
+  with_processes(
+      model, folder, those(world_processes(model.world_table), only),
+      [&](wire::Bus& bus, wire::LivenessMonitor& monitor, const wire::RemoteOptions& all) {
+        return std::make_unique<RemoteWorlds>(bus, monitor, model.world_table, all, nullptr, only);
+      },
+      [&](RemoteWorlds& remote) { check(remote.side()); });
 }
 
 void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::LogReader& log,
@@ -229,14 +261,7 @@ void replay_side(const RunDirectory& run, const ReplayOptions& options, wire::Lo
   const auto check = [&](auto& side) { replay_log(log, side, played, model, options, report); };
   const auto folder = run.path() / ("replay-" + options.side);
   if (played.side == SideName::Fem) return replay_bodies(model, played, options, folder, check);
-  if (options.mode == Mode::Inproc) return check(*make_mbs(model, {}));
-  with_processes(
-      model, folder, {Process::Mbs},
-      [&](wire::Bus& bus, wire::LivenessMonitor& monitor, wire::RemoteOptions all) {
-        all.side = Process::Mbs;
-        return std::make_unique<wire::RemoteMbs>(bus, monitor, all);
-      },
-      check);
+  replay_worlds(model, played, options, folder, check);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace tandem::orchestrator {
 
 struct ReplayOptions {
-  std::string side = "fem";  ///< mbs; fem: the whole flexible side; or one of several bodies
+  std::string side = "fem";  ///< mbs, fem: the whole side; or one of several worlds or bodies
   Mode mode = Mode::Lcm;     ///< Lcm: a real side process; Inproc: the side as an object
   /// Allowed difference: |replayed − logged| ≤ tolerance · max(1, |logged|); 0 = the same bits.
   double tolerance = 0.0;

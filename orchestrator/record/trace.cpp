@@ -22,16 +22,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<std::string> bodies_of(const RunDirectory& run) {
+std::vector<std::string> names_of(const std::vector<scenario::BodyPorts>& parts) {
   std::vector<std::string> names;
-  for (const scenario::BodyPorts& body : load_model(run.scenario(), {}).table) {
-    names.push_back(body.name);
-  }
+  for (const scenario::BodyPorts& part : parts) names.push_back(part.name);
   return names;
 }
 
 CallTimeline learned(const RunDirectory& run) {
-  CallTimeline timeline(bodies_of(run));
+  const Model model = load_model(run.scenario(), {});
+  CallTimeline timeline(names_of(model.table), names_of(model.world_table));
   wire::LogReader log(run.log());
   std::int64_t steps = -1;
   for (; auto journal = log.next_step(); ++steps) timeline.learn(*journal);
@@ -49,7 +48,7 @@ CallTimeline learned(const RunDirectory& run) {
 /// Name of the process that ran the loop: with a side in it, or with both, or in between.
 std::string driver_of(const CallTimeline& timeline) {
   for (std::size_t w = 1; w < timeline.workers().size(); ++w) {
-    if (!timeline.is_here(w)) return timeline.is_here(0) ? "tandem-mbs" : "tandem";
+    if (!timeline.is_here(w)) return timeline.is_here(0) ? timeline.program_of(0) : "tandem";
   }
   return "tandem";
 }

@@ -52,9 +52,7 @@ TraceEvents::TraceEvents(const std::filesystem::path& file, const CallTimeline& 
   name({kDriver, kPath}, {}, "critical path");
   for (std::size_t w = 0; w < timeline_.workers().size(); ++w) {
     if (timeline_.is_here(w)) continue;
-    const std::string& side = timeline_.workers()[w];
-    const std::string program = w == 0 ? "tandem-mbs" : "tandem-fem";
-    name(track_of(w), "tandem-" + side == program ? program : program + " " + side, side);
+    name(track_of(w), timeline_.program_of(w), timeline_.workers()[w]);
   }
 }
 

@@ -2,21 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 
 namespace tandem::orchestrator {
 namespace {
 
-std::string header() {
-  std::string text = "macro_step,t_s";
-  for (const char* side : {"mbs", "fem"}) {
-    for (const char* column :
-         {"kinetic_J", "potential_J", "elastic_J", "external_work_J", "interface_work_J",
-          "damping_loss_J", "numerical_loss_J", "balance_error_J"}) {
-      text += fmt::format(",{}.{}", side, column);
-    }
+std::string columns_of(const std::string& name) {
+  std::string text;
+  for (const char* column :
+       {"kinetic_J", "potential_J", "elastic_J", "external_work_J", "interface_work_J",
+        "damping_loss_J", "numerical_loss_J", "balance_error_J"}) {
+    text += fmt::format(",{}.{}", name, column);
   }
-  return text + ",balance_error_J,interface_defect_J\n";
+  return text;
+}
+
+std::string header(const std::vector<std::string>& parts) {
+  std::string text = "macro_step,t_s" + columns_of("mbs") + columns_of("fem") +
+                     ",balance_error_J,interface_defect_J";
+  for (const std::string& part : parts) text += columns_of(part);
+  return text + "\n";
 }
 
 std::string columns(const EnergyBook& begin, const EnergyBook& now) {
@@ -32,13 +38,18 @@ void EnergyTable::write(const wire::StepRecord& step) {
   const SideEnergies& now = *step.energy;
   if (!file_) {
     file_.emplace(path_);
-    file_->write(header());
+    file_->write(header(parts_));
     begin_ = now;
   }
-  file_->write(
+  std::string row =
       fmt::format("{},{}", step.macro_step, to_seconds(step.time)) + columns(begin_.mbs, now.mbs) +
       columns(begin_.fem, now.fem) +
-      fmt::format(",{},{}\n", balance_error_J(begin_.sum(), now.sum()), step.energy_defect_J));
+      fmt::format(",{},{}", balance_error_J(begin_.sum(), now.sum()), step.energy_defect_J);
+  // A log of before they were observed one by one has none.
+  const std::size_t known = std::min({parts_.size(), now.parts.size(), begin_.parts.size()});
+  for (std::size_t i = 0; i < known; ++i) row += columns(begin_.parts[i], now.parts[i]);
+  row.append(8 * (parts_.size() - known), ',');
+  file_->write(row + "\n");
 }
 
 void EnergyTable::flush() {

@@ -2,6 +2,9 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "orchestrator/files/text_file.h"
 #include "protocol/wire/journal.h"
@@ -14,13 +17,17 @@ namespace tandem::orchestrator {
 /// steps.csv). Numbers in the shortest form that reads back to the same bits. No file without rows.
 class EnergyTable {
  public:
-  explicit EnergyTable(const std::filesystem::path& directory) : path_(directory / "energy.csv") {}
+  /// `parts`: names of the single worlds and flexible bodies, where there are several, in the order
+  /// of SideEnergies. Each has columns of its own, behind all others.
+  EnergyTable(const std::filesystem::path& directory, std::vector<std::string> parts)
+      : path_(directory / "energy.csv"), parts_(std::move(parts)) {}
 
   void write(const wire::StepRecord& step);
   void flush();
 
  private:
   std::filesystem::path path_;
+  std::vector<std::string> parts_;
   std::optional<TextFile> file_;
   SideEnergies begin_;
 };

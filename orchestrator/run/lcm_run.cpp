@@ -15,9 +15,9 @@
 #include "protocol/contract/whole_file.h"
 #include "protocol/driver/control_inbox.h"
 #include "protocol/driver/remote_bodies.h"
+#include "protocol/driver/remote_worlds.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/journal_receiver.h"
-#include "protocol/wire/remote_side.h"
 
 namespace tandem::orchestrator {
 namespace {
@@ -27,22 +27,22 @@ using wire::Process;
 wire::BusOptions bus_options(const Model& model, std::uint64_t run_id) {
   const WireParams& params = model.wire;
   wire::BusOptions options;
-  options.names = process_names(model.table);
+  options.names = process_names(model.table, model.world_table);
   options.self = Process::Orchestrator;
   options.run_id = run_id;
   options.port = wire::free_port();
   options.ttl = static_cast<int>(params.ttl);
   options.receive = params.receive;
-  const Process driver = params.driver == DriverPlace::Mbs ? Process::Mbs : Process::Orchestrator;
-  options.wait =
-      wait_in_run(params.wait, params.placement, options.self, driver, model.table.size());
+  const Process driver = driver_process(params.driver, model.world_table);
+  options.wait = wait_in_run(params.wait, params.placement, options.self, driver,
+                             model.table.size() + model.world_table.size() - 1);
   return options;
 }
 
-/// The processes that this one starts: the multibody side and the flexible bodies.
+/// The processes that this one starts: the multibody worlds and the flexible bodies.
 std::vector<Process> sides_of(const Model& model) {
-  std::vector<Process> sides = processes_of(model.table);
-  sides.insert(sides.begin(), Process::Mbs);
+  std::vector<Process> sides = world_processes(model.world_table);
+  for (const Process body : processes_of(model.table)) sides.push_back(body);
   return sides;
 }
 
@@ -84,6 +84,7 @@ class LcmRun {
       : model_(model),
         silent_(options.silent),
         recorder_(recorder),
+        driver_(driver_process(model.wire.driver, model.world_table)),
         sides_(sides_of(model)),
         bus_(bus_options(model, run_id)),
         heartbeat_(bus_, model.wire.timeout_s),
@@ -160,8 +161,9 @@ class LcmRun {
 
   wire::Finished record_from_mbs(wire::LivenessMonitor& monitor) {
     wire::JournalReceiver receiver(bus_, monitor, static_cast<int>(model_.wire.credit_window));
-    monitor.also_watch([this] { launch_.supervise({Process::Mbs}); });
-    (void)wire::greet(bus_, monitor, expected(Process::Mbs), model_.wire.start_timeout_s);
+    monitor.also_watch([this] { launch_.supervise({driver_}); });
+    (void)wire::greet(bus_, monitor, options_of_world(model_.world_table, 0, expected()),
+                      model_.wire.start_timeout_s);
     monitor.also_watch({});
     std::optional<wire::Finished> finished;
     double patience_end_s = 0.0;
@@ -185,16 +187,15 @@ class LcmRun {
     return *finished;
   }
 
-  [[nodiscard]] wire::RemoteOptions expected(Process side) const {
-    return {.side = side,
-            .scenario_hash = model_.scenario.hash,
+  [[nodiscard]] wire::RemoteOptions expected() const {
+    return {.scenario_hash = model_.scenario.hash,
             .port_names = model_.port_names,
             .tandem_version = kTandemVersion};
   }
 
   bool driver_left() {
     // Sides started by hand are not ours to wait for: they linger long enough for the last credit.
-    return launch_.started(Process::Mbs) ? launch_.ended(Process::Mbs).has_value() : true;
+    return launch_.started(driver_) ? launch_.ended(driver_).has_value() : true;
   }
 
   void supervise(wire::LivenessMonitor& monitor, bool finished) {
@@ -202,25 +203,25 @@ class LcmRun {
     next_supervision_s_ = now_s() + 0.02;
     if (finished) return;
     for (const Process side : sides_) {
-      if (side == Process::Mbs) continue;
+      if (side == driver_) continue;
       const auto status = launch_.ended(side);
       // It was told bye; the driver is about to finish.
       if (status && status->code == 0) monitor.release(side);
     }
-    launch_.supervise({Process::Mbs});
+    launch_.supervise({driver_});
   }
 
   wire::Finished drive_here(wire::LivenessMonitor& monitor) {
     monitor.also_watch([this] { launch_.supervise(sides_); });
-    wire::RemoteMbs mbs(bus_, monitor, expected(Process::Mbs));
-    RemoteBodies fem(bus_, monitor, model_.table, expected(Process::Fem));
+    RemoteWorlds mbs(bus_, monitor, model_.world_table, expected());
+    RemoteBodies fem(bus_, monitor, model_.table, expected());
     HubSink sink(recorder_, heartbeat_, monitor, launch_, sides_);
     ControlInbox inbox(bus_);
     CoupledRunParams params = scheme_run(model_.run, model_.coupling);
     params.commands = &inbox;
     params.energy_every_steps = scenario::read_output(model_.scenario.root).energy_every_steps;
-    RunReport report =
-        run_coupled(params, {mbs, Locality::Elsewhere}, {fem.side(), Locality::Elsewhere}, sink);
+    RunReport report = run_coupled(params, {mbs.side(), Locality::Elsewhere},
+                                   {fem.side(), Locality::Elsewhere}, sink);
     report.ledger.book_lost(bus_.counts().damaged);
     monitor.also_watch({});
     fem.close();
@@ -259,6 +260,7 @@ class LcmRun {
   const Model& model_;
   bool silent_;
   Recorder& recorder_;
+  Process driver_;
   std::vector<Process> sides_;
   wire::Bus bus_;
   wire::Heartbeat heartbeat_;

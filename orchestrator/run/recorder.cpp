@@ -20,7 +20,7 @@ Recorder::Recorder(const Model& model, const RunDirectory& directory, std::uint6
            {.scenario_yaml = model.scenario.resolved_yaml,
             .versions = fmt::format("tandem {}", kTandemVersion)}),
       log_every_steps_(scenario::read_output(model.scenario.root).log_every_steps),
-      tables_(directory.path(), model.port_names),
+      tables_(directory.path(), model.port_names, part_names(model)),
       progress_(model.name, model.run.macro_steps(), model.run.macro_step, silent) {
   so_far_.broken_off = true;
   so_far_.port_names = model.port_names;

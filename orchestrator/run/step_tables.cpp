@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <initializer_list>
 #include <iterator>
+#include <utility>
 
 namespace tandem::orchestrator {
 namespace {
@@ -39,8 +40,10 @@ std::string step_row(const wire::StepRecord& step) {
 }  // namespace
 
 StepTables::StepTables(const std::filesystem::path& directory,
-                       const std::vector<std::string>& ports)
-    : steps_(directory / "steps.csv"), ports_(directory / "ports.csv"), energy_(directory) {
+                       const std::vector<std::string>& ports, std::vector<std::string> parts)
+    : steps_(directory / "steps.csv"),
+      ports_(directory / "ports.csv"),
+      energy_(directory, std::move(parts)) {
   steps_.write(kStepsHeader);
   ports_.write(interface_header(ports));
   flush();  // a run that is killed early leaves tables without rows, and no empty files

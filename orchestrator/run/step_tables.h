@@ -15,7 +15,9 @@ namespace tandem::orchestrator {
 /// shortest form that reads back to the same bits.
 class StepTables {
  public:
-  StepTables(const std::filesystem::path& directory, const std::vector<std::string>& ports);
+  /// `parts`: see EnergyTable.
+  StepTables(const std::filesystem::path& directory, const std::vector<std::string>& ports,
+             std::vector<std::string> parts);
 
   /// Appends the rows of one macro step; macro step 0 has a row in ports.csv alone.
   void write(const wire::StepJournal& journal);

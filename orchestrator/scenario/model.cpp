@@ -12,7 +12,7 @@
 #include "orchestrator/scenario/nodal_scenario.h"
 #include "orchestrator/scenario/scenario_table.h"
 #include "protocol/contract/error.h"
-#include "protocol/driver/composite_fem.h"
+#include "protocol/driver/composite_side.h"
 #include "protocol/schemes/transmission_line.h"
 
 namespace tandem::orchestrator {
@@ -75,7 +75,7 @@ void check_adaptive(const Model& model) {
   if (params.max_step && *params.max_step < first) {
     adaptive.fail("max_step_s", "is shorter than run.macro_step_s, the first step. Raise it.");
   }
-  std::vector<scenario::Node> sides{root.section("mbs")};
+  std::vector<scenario::Node> sides = mbs_sections(model);
   for (const scenario::FlexibleBody& body : model.bodies) {
     sides.push_back(body.root.section("fem"));
   }
@@ -106,7 +106,18 @@ void check_junctions(const Model& model) {
 }  // namespace
 
 bool has_junctions(const Model& model) {
-  return model.scenario.root.section("mbs").has("junctions");
+  const std::vector<scenario::Node> worlds = mbs_sections(model);
+  return std::any_of(worlds.begin(), worlds.end(),
+                     [](const scenario::Node& mbs) { return mbs.has("junctions"); });
+}
+
+std::vector<std::string> part_names(const Model& model) {
+  std::vector<std::string> names;
+  for (const auto* table : {&model.world_table, &model.table}) {
+    if (table->size() < 2) continue;
+    for (const scenario::BodyPorts& row : *table) names.push_back(row.name);
+  }
+  return names;
 }
 
 Model load_model(const std::filesystem::path& file,
@@ -120,6 +131,8 @@ Model load_model(const std::filesystem::path& file,
   model.coupling = read_coupling(root);
   model.table = scenario::body_table(root);
   model.bodies = scenario::flexible_bodies(root);
+  model.world_table = scenario::world_table(root);
+  model.worlds = scenario::multibody_worlds(root);
   check_adaptive(model);
   check_junctions(model);
   model.wire = read_wire(root);
@@ -148,8 +161,16 @@ void require_derivative(const Model& model, const scenario::FlexibleBody& body) 
 
 }  // namespace
 
+std::vector<scenario::Node> mbs_sections(const Model& model) {
+  std::vector<scenario::Node> sections;
+  for (const scenario::MultibodyWorld& world : model.worlds) {
+    sections.push_back(world.root.section("mbs"));
+  }
+  return sections;
+}
+
 Model part_of(const Model& model, std::size_t body) {
-  if (model.bodies.size() == 1) return model;
+  if (!model.scenario.root.holds_list("fem")) return model;
   Model part = model;
   part.scenario.root = model.bodies[body].root;
   part.port_names = of_ports(model.port_names, model.bodies[body].ports);
@@ -161,7 +182,16 @@ Model part_of(const Model& model, std::size_t body) {
 }
 
 std::unique_ptr<MbsSide> make_mbs(const Model& model, const std::filesystem::path& directory) {
-  return mbs::make_side(model.scenario.root, directory);
+  std::vector<MbsPart> parts;
+  for (const scenario::MultibodyWorld& world : model.worlds) {
+    parts.push_back({world.name, make_mbs(model, world, directory), world.ports});
+  }
+  return composed(std::move(parts));
+}
+
+std::unique_ptr<MbsSide> make_mbs(const Model& model, const scenario::MultibodyWorld& world,
+                                  const std::filesystem::path& directory) {
+  return mbs::make_side(world.root, mbs::folder_of(directory, world.root, model.worlds.size()));
 }
 
 std::unique_ptr<FemSide> make_fem(const Model& model, const std::filesystem::path& directory) {

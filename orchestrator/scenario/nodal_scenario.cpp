@@ -56,10 +56,12 @@ bool is_nodal(const std::filesystem::path& file, const std::vector<scenario::Ove
 /// The part of the table that the nodes follow from; bodies and ports may be left out.
 const scenario::Section& nodal_table() {
   static const scenario::Section table = [] {
-    const scenario::Section mbs = section_of("Multibody side", {key_of(mbs::mbs_keys(), "bodies")});
+    const scenario::Key all = mbs::mbs_keys();
+    const scenario::Section mbs =
+        section_of("Multibody side", {key_of(all, "name"), key_of(all, "bodies")});
     std::vector<scenario::Key> keys = scenario::root_keys();
-    for (scenario::Key key : {scenario::run_keys(), scenario::section("mbs", mbs), fem::fem_keys(),
-                              scenario::ports_keys()}) {
+    for (scenario::Key key : {scenario::run_keys(), scenario::section("mbs", mbs).or_several(),
+                              fem::fem_keys(), scenario::ports_keys()}) {
       keys.push_back(std::move(key));
     }
     return section_of("Scenario", std::move(keys));
@@ -85,6 +87,11 @@ std::vector<scenario::Override> made_of_nodes(const std::filesystem::path& file,
   std::ranges::copy_if(overrides, std::back_inserter(known), concerns_nodes);
   const scenario::Node root =
       scenario::load(file, nodal_table(), known, scenario::UnknownKeys::Ignore).root;
+  if (root.has("mbs") && root.holds_list("mbs")) {
+    root.fail("mbs",
+              "is a list of worlds, and with fem.coupling: nodal the nodes are bodies of one. Give "
+              "it a mapping, without '- ' and name.");
+  }
   const bool bodies_listed = root.has("mbs") && root.section("mbs").has("bodies");
   if (root.has("ports") && bodies_listed) return {};  // a resolved scenario
   if (root.has("ports")) {

@@ -2,9 +2,10 @@
 
 #include "fem_process/keys/fem_keys.h"
 #include "mbs_process/mbs_keys.h"
+#include "mbs_process/world_links.h"
 #include "protocol/driver/wire_params.h"
 #include "protocol/scenario/common_keys.h"
-#include "protocol/scenario/flexible_bodies.h"
+#include "protocol/scenario/multibody_worlds.h"
 #include "protocol/schemes/coupling_params.h"
 
 namespace tandem::orchestrator {
@@ -21,6 +22,8 @@ const scenario::Section& scenario_table() {
       root.keys.push_back(std::move(key));
     }
     root.check = [](const scenario::Node& node) {
+      if (node.has("mbs") && node.holds_list("mbs")) mbs::refuse_links(node.list("mbs"));
+      (void)scenario::world_table(node);
       if (!node.has("fem") || !node.holds_list("fem")) return;
       for (const scenario::FlexibleBody& body : scenario::flexible_bodies(node)) {
         const scenario::Node fem = body.root.section("fem");

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "mbs_process/make_side.h"
 #include "orchestrator/files/summary_number.h"
 #include "orchestrator/verdict/body_rates.h"
 
@@ -29,11 +30,12 @@ std::vector<std::string> port_bodies(const Model& model) {
 
 double lightest_kg(const Model& model, const std::vector<std::string>& names) {
   double lightest = std::numeric_limits<double>::infinity();
-  const scenario::Node mbs = model.scenario.root.section("mbs");
-  if (!mbs.has("bodies")) return 0.0;
-  for (const scenario::Node& body : mbs.list("bodies")) {
-    if (std::find(names.begin(), names.end(), body.text("name")) == names.end()) continue;
-    lightest = std::min(lightest, body.real("mass_kg"));
+  for (const scenario::Node& mbs : mbs_sections(model)) {
+    if (!mbs.has("bodies")) continue;
+    for (const scenario::Node& body : mbs.list("bodies")) {
+      if (std::find(names.begin(), names.end(), body.text("name")) == names.end()) continue;
+      lightest = std::min(lightest, body.real("mass_kg"));
+    }
   }
   return lightest == std::numeric_limits<double>::infinity() ? 0.0 : lightest;
 }
@@ -54,7 +56,15 @@ void add_energies(const ordered_json& energy, RunBooks& books) {
 
 /// Ports have been followed at every step; bodies without one are in the table of the bodies.
 void add_turn(const Model& model, const std::filesystem::path& folder, RunBooks& books) {
-  const BodyTurn found = fastest_body(folder / "bodies.csv", port_bodies(model));
+  BodyTurn found;
+  for (const scenario::MultibodyWorld& world : model.worlds) {
+    const auto own = mbs::folder_of(folder, world.root, model.worlds.size());
+    const BodyTurn turn = fastest_body(own / "bodies.csv", port_bodies(model));
+    found.turn_between_rows_rad = std::max(found.turn_between_rows_rad, turn.turn_between_rows_rad);
+    if (!(turn.rate_rad_per_s > found.rate_rad_per_s)) continue;
+    found.rate_rad_per_s = turn.rate_rad_per_s;
+    found.body = turn.body;
+  }
   const std::int64_t every = scenario::read_output(model.scenario.root).bodies_every_steps;
   const double turn_rad = books.adaptive ? found.turn_between_rows_rad /
                                                static_cast<double>(std::max<std::int64_t>(1, every))
@@ -69,8 +79,9 @@ void add_gap(const Model& model, const ordered_json& widest, RunBooks& books) {
   if (joint < 0) return;
   books.joint_gap_m = number_at(widest, "gap_m");
   books.joint_gap_part = number_at(widest, "part_of_arm");
-  const std::vector<scenario::Node> joints = model.scenario.root.section("mbs").list("joints");
-  books.open_joint = joints.at(static_cast<std::size_t>(joint)).text("name");
+  const auto world = widest.value("world", std::int64_t{0});
+  const scenario::Node mbs = mbs_sections(model).at(static_cast<std::size_t>(world));
+  books.open_joint = mbs.list("joints").at(static_cast<std::size_t>(joint)).text("name");
 }
 
 void add_pace(const ordered_json& pace, RunBooks& books) {
@@ -115,13 +126,15 @@ void add_body(const scenario::Node& fem, RunBooks& books) {
 }  // namespace
 
 RunBooks books_of_model(const Model& model, bool monolithic) {
-  const scenario::Node& root = model.scenario.root;
   RunBooks books;
   const SchemeKind scheme = model.coupling.scheme;
   books.explicit_scheme = !monolithic && (scheme == SchemeKind::ExplicitSerial ||
                                           scheme == SchemeKind::ExplicitParallel);
   books.adaptive = model.coupling.adaptive.active();
-  books.mbs_second_order = root.section("mbs").text("integrator") != "euler";
+  books.mbs_second_order = true;
+  for (const scenario::Node& mbs : mbs_sections(model)) {
+    books.mbs_second_order = books.mbs_second_order && mbs.text("integrator") != "euler";
+  }
   books.fem_second_order = true;
   for (const scenario::FlexibleBody& body : model.bodies) add_body(body.root.section("fem"), books);
   books.lightest_port_body_kg = lightest_kg(model, port_bodies(model));

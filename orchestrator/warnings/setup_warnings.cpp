@@ -62,10 +62,10 @@ std::optional<Finding> gravity_on_one_side(const scenario::Node& root) {
   const bool on_rigid = flexible.isZero(0.0);
   const scenario::Node& where = on_rigid ? fem : mbs;
   return finding_at(where, key, "gravity_on_one_side",
-                    fmt::format("mbs.{0} is {1}, fem.{0} is {2}: each side has its own, and one is "
-                                "left out or other. Set {3}.{0}: {4}.",
-                                key, text(rigid), text(flexible), on_rigid ? "fem" : "mbs",
-                                text(on_rigid ? rigid : flexible)));
+                    fmt::format("{} is {}, {} is {}: each side has its own, and one is left out or "
+                                "other. Set {}: {}.",
+                                mbs.path_name(key), text(rigid), fem.path_name(key), text(flexible),
+                                where.path_name(key), text(on_rigid ? rigid : flexible)));
 }
 
 std::optional<Finding> orders_differ(const scenario::Node& root) {
@@ -80,11 +80,12 @@ std::optional<Finding> orders_differ(const scenario::Node& root) {
       "the other side's integrator is of second order and this one of first, and so is the run; "
       "the interface loses or makes energy. Set {}, or leave both at their defaults.";
   if (rigid) {
-    return finding_at(fem.section("integrator"), "kind", "orders_differ",
-                      fmt::format(fmt::runtime(text), "fem.integrator.kind: generalised_alpha"));
+    return finding_at(
+        fem.section("integrator"), "kind", "orders_differ",
+        fmt::format(fmt::runtime(text), fem.path_name("integrator.kind") + ": generalised_alpha"));
   }
   return finding_at(mbs, "integrator", "orders_differ",
-                    fmt::format(fmt::runtime(text), "mbs.integrator: verlet"));
+                    fmt::format(fmt::runtime(text), mbs.path_name("integrator") + ": verlet"));
 }
 
 std::optional<Finding> turn_per_step(const Model& model, const mbs::Params& params) {
@@ -106,12 +107,13 @@ std::vector<Finding> unlike_stand_in(const Model& model, const mbs::Params& para
   std::vector<Finding> findings;
   const bool matters = params.integrator != mbs::IntegratorKind::Euler ||
                        model.coupling.scheme == SchemeKind::Implicit;
-  if (!matters || !has_junctions(model)) return findings;
+  const scenario::Node mbs = model.scenario.root.section("mbs");
+  if (!matters || !mbs.has("junctions")) return findings;
   constexpr double kUnlike = 100.0;
   const double mass_kg = std::accumulate(body.nodal_mass.begin(), body.nodal_mass.end(), 0.0);
   const double share_kg = mass_kg / static_cast<double>(body.ports.size());
   const std::vector<scenario::PortParams> ports = scenario::read_ports(model.scenario.root);
-  for (const scenario::Node& junction : model.scenario.root.section("mbs").list("junctions")) {
+  for (const scenario::Node& junction : mbs.list("junctions")) {
     const std::string name = junction.text("name");
     const bool here = std::any_of(ports.begin(), ports.end(),
                                   [&](const auto& port) { return port.body == name; });

@@ -117,12 +117,21 @@ PortOscillation fastest_port(const Model& model, const mbs::Params& params,
           .angle_rad = H_s * std::sqrt(std::max(0.0, w_squared))};
 }
 
+namespace {
+
+bool same_ports(const fem::Model& body, const mbs::Params& params) {
+  return std::equal(body.ports.begin(), body.ports.end(), params.ports.begin(), params.ports.end(),
+                    [](const auto& a, const auto& b) { return a.name == b.name; });
+}
+
+}  // namespace
+
 std::optional<Finding> unstable_verlet(const Model& model, const mbs::Params& params,
                                        const fem::Model& body) {
   const auto loose = [](const fem::Model::Port& port) { return port.attachment.loose(); };
   if (params.integrator != mbs::IntegratorKind::Verlet || params.newmark_beta >= 0.25 ||
       body.params.nodal || body.params.formulation == fem::FormulationKind::CraigBampton ||
-      body.ports.size() != params.ports.size() ||  // one of several bodies
+      !same_ports(body, params) ||  // one of several bodies or worlds
       std::any_of(body.ports.begin(), body.ports.end(), loose)) {
     return std::nullopt;
   }
@@ -130,14 +139,15 @@ std::optional<Finding> unstable_verlet(const Model& model, const mbs::Params& pa
   const double limit = verlet_limit_rad(params.newmark_beta);
   if (found.angle_rad <= limit) return std::nullopt;
   const double H_s = to_seconds(model.run.macro_step);
+  const scenario::Node mbs = model.scenario.root.section("mbs");
   return finding_at(
-      model.scenario.root.section("mbs"), "newmark_beta", "unstable_verlet",
+      mbs, "newmark_beta", "unstable_verlet",
       fmt::format("with β = {:.4g} the coupled step is certain to be stable only while ω H stays "
                   "below {:.3g} for the rigid bodies on the stiffness of the elements at their "
-                  "ports; at port '{}' it is {:.3g}. Set mbs.newmark_beta: 0.25, or "
+                  "ports; at port '{}' it is {:.3g}. Set {}: 0.25, or "
                   "run.macro_step_s to {:.2g} or less.",
                   params.newmark_beta, limit, found.port, found.angle_rad,
-                  H_s * limit / found.angle_rad));
+                  mbs.path_name("newmark_beta"), H_s * limit / found.angle_rad));
 }
 
 }  // namespace tandem::orchestrator

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 namespace tandem {
 
 /// Energies of one side at its present state and what has been booked on it since t = 0 (J):
@@ -39,6 +41,8 @@ struct EnergyBook {
 struct SideEnergies {
   EnergyBook mbs;
   EnergyBook fem;
+  /// Of the single worlds where there are several, then of the flexible bodies where there are.
+  std::vector<EnergyBook> parts = {};
   [[nodiscard]] EnergyBook sum() const { return mbs + fem; }
   friend bool operator==(const SideEnergies&, const SideEnergies&) = default;
 };

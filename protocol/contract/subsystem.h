@@ -63,9 +63,11 @@ struct JointGap {
   double gap_m = 0.0;
   double part = 0.0;        ///< of the joint's arm
   std::int32_t joint = -1;  ///< in the order of the scenario; -1: none has
+  std::int32_t world = 0;   ///< that holds it, of several
 };
 
-/// One of several flexible bodies: its book and state at the time of the observation.
+/// One of several flexible bodies or multibody worlds: its book and state at the time of the
+/// observation.
 struct BodyObservation {
   std::string name;
   EnergyBook energy;
@@ -82,7 +84,7 @@ struct Observation {
   /// and which is therefore good for small ones only; 0: any turn is right.
   double elastic_turn_rad = 0.0;
   JointGap widest_joint;
-  std::vector<BodyObservation> bodies;  ///< of several flexible ones
+  std::vector<BodyObservation> bodies;  ///< of several flexible ones, or of several worlds
 };
 
 /// How a side took a command.

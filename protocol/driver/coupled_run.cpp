@@ -125,7 +125,7 @@ class CoupledRun {
     if (params_.coupling.adaptive.active()) {
       controller_.emplace(params_.coupling, params_.run.macro_step, ports_, state_.motions);
     }
-    report_.bodies_start = observe(report_.energy_start);
+    observe(report_.energy_start, &report_.worlds_start, &report_.bodies_start);
     wire::StepRecord step;
     if (params_.energy_every_steps > 0) step.energy = report_.energy_start;
     sink_.record({.step = step, .calls = journal_.take()});
@@ -335,11 +335,14 @@ class CoupledRun {
            report_.status == RunStatus::Done;
   }
 
-  /// Gives back what is known of single bodies.
-  std::vector<BodyObservation> observe(SideEnergies& energy) {
-    const Observation mbs = mbs_.observe();
+  /// `worlds` and `bodies`: what is known of single ones.
+  void observe(SideEnergies& energy, std::vector<BodyObservation>* worlds = nullptr,
+               std::vector<BodyObservation>* bodies = nullptr) {
+    Observation mbs = mbs_.observe();
     Observation fem = fem_.observe();
     energy = {.mbs = mbs.energy, .fem = fem.energy};
+    for (const BodyObservation& world : mbs.bodies) energy.parts.push_back(world.energy);
+    for (const BodyObservation& body : fem.bodies) energy.parts.push_back(body.energy);
     report_.elastic_turn_rad = std::max(report_.elastic_turn_rad, fem.elastic_turn_rad);
     if (!(mbs.widest_joint.part <= report_.widest_joint.part)) {
       report_.widest_joint = mbs.widest_joint;
@@ -348,7 +351,8 @@ class CoupledRun {
     hash.add(mbs.state_hash);
     hash.add(fem.state_hash);
     report_.state_hash = hash.value();
-    return std::move(fem.bodies);
+    if (worlds != nullptr) *worlds = std::move(mbs.bodies);
+    if (bodies != nullptr) *bodies = std::move(fem.bodies);
   }
 
   /// Slow growth passes the monitor, which looks at the interface alone. Motion and strain cannot
@@ -386,7 +390,7 @@ class CoupledRun {
       // The books and the hash are those of the last accepted state.
       roll_back(mbs_, fem_);
     }
-    report_.bodies_end = observe(report_.energy_end);
+    observe(report_.energy_end, &report_.worlds_end, &report_.bodies_end);
     book_range(report_.energy_end);
     report_.still_J = kStill * largest_moment_J_;
     if (report_.status == RunStatus::Done) judge_energy();

@@ -1,8 +1,10 @@
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "protocol/driver/control_inbox.h"
 #include "protocol/driver/coupled_run.h"
 #include "protocol/driver/remote_bodies.h"
+#include "protocol/driver/remote_worlds.h"
 #include "protocol/driver/side_process.h"
 #include "protocol/wire/handshake.h"
 #include "protocol/wire/journal_sender.h"
@@ -34,13 +36,16 @@ class SendingSink final : public StepSink {
 
 }  // namespace
 
-int drive_from_mbs(SideContext& context, MbsSide& mbs) {
-  const wire::HelloServer hello(context.bus, mbs.info(), context.scenario.hash, kTandemVersion);
+int drive_from_mbs(SideContext& context, std::unique_ptr<MbsSide> own) {
+  const wire::HelloServer hello(context.bus, own->info(), context.scenario.hash, kTandemVersion);
+  const wire::RemoteOptions expected{.scenario_hash = context.scenario.hash,
+                                     .port_names = context.port_names,
+                                     .tandem_version = kTandemVersion};
   context.heartbeat.set_phase("waiting for tandem-fem");
-  RemoteBodies fem(context.bus, context.monitor, context.bodies,
-                   {.scenario_hash = context.scenario.hash,
-                    .port_names = context.port_names,
-                    .tandem_version = kTandemVersion});
+  RemoteBodies fem(context.bus, context.monitor, context.bodies, expected);
+  if (context.worlds.size() > 1) context.heartbeat.set_phase("waiting for the other worlds");
+  const Locality locality = context.worlds.size() > 1 ? Locality::Elsewhere : Locality::Here;
+  RemoteWorlds mbs(context.bus, context.monitor, context.worlds, expected, std::move(own));
   context.heartbeat.set_phase("waiting for tandem");
   wire::await_hello(hello, context.monitor, context.wire.start_timeout_s);
   context.heartbeat.set_phase("stepping");
@@ -55,10 +60,11 @@ int drive_from_mbs(SideContext& context, MbsSide& mbs) {
   params.commands = &inbox;
   params.energy_every_steps = output.energy_every_steps;
   RunReport report =
-      run_coupled(params, {mbs, Locality::Here}, {fem.side(), Locality::Elsewhere}, sink);
+      run_coupled(params, {mbs.side(), locality}, {fem.side(), Locality::Elsewhere}, sink);
   report.ledger.book_lost(context.bus.counts().damaged);
   context.heartbeat.set_phase("ending");
   fem.close();
+  mbs.close();
   sender.finish({.exit_code = report.exit_code(),
                  .message = report.message,
                  .summary_json = to_json(report).dump()});

@@ -1,8 +1,11 @@
 #include "protocol/driver/remote_bodies.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
-#include "protocol/driver/composite_fem.h"
+#include "protocol/contract/error.h"
+#include "protocol/driver/composite_side.h"
 
 namespace tandem {
 
@@ -14,11 +17,20 @@ std::vector<wire::Process> processes_of(const std::vector<scenario::BodyPorts>& 
   return processes;
 }
 
-wire::ProcessNames process_names(const std::vector<scenario::BodyPorts>& bodies) {
-  if (bodies.size() == 1) return {};
-  std::vector<std::string> names;
-  for (const scenario::BodyPorts& body : bodies) names.push_back(body.name);
-  return wire::ProcessNames(std::move(names));
+wire::ProcessNames process_names(const std::vector<scenario::BodyPorts>& bodies,
+                                 const std::vector<scenario::BodyPorts>& worlds) {
+  require(
+      bodies.size() <= wire::kMostBodies && worlds.size() <= wire::kMostWorlds,
+      fmt::format("wire: {} flexible bodies and {} multibody worlds; a run over LCM holds {} and "
+                  "{} at most. Use --transport inproc.",
+                  bodies.size(), worlds.size(), wire::kMostBodies, wire::kMostWorlds));
+  const auto names_of = [](const std::vector<scenario::BodyPorts>& parts) {
+    std::vector<std::string> names;
+    if (parts.size() == 1) return names;
+    for (const scenario::BodyPorts& part : parts) names.push_back(part.name);
+    return names;
+  };
+  return wire::ProcessNames(names_of(bodies), names_of(worlds));
 }
 
 wire::RemoteOptions options_of(const std::vector<scenario::BodyPorts>& bodies, std::size_t b,

@@ -16,8 +16,10 @@ namespace tandem {
 [[nodiscard]] std::vector<wire::Process> processes_of(
     const std::vector<scenario::BodyPorts>& bodies);
 
-/// Their names, for the bus; none where there is one body.
-[[nodiscard]] wire::ProcessNames process_names(const std::vector<scenario::BodyPorts>& bodies);
+/// The names of the flexible bodies and of the multibody worlds, for the bus; none of a kind of
+/// which there is one. Throws a Usage error where there are more than a run over LCM holds.
+[[nodiscard]] wire::ProcessNames process_names(const std::vector<scenario::BodyPorts>& bodies,
+                                               const std::vector<scenario::BodyPorts>& worlds);
 
 /// What the process of body `b` is to be: `all` says it of the whole flexible side.
 [[nodiscard]] wire::RemoteOptions options_of(const std::vector<scenario::BodyPorts>& bodies,

@@ -89,15 +89,15 @@ ordered_json energy_json(const RunReport& r) {
   return json;
 }
 
-/// Of several flexible bodies: which one computes how long, and its own book.
-ordered_json bodies_json(const RunReport& r) {
+/// Of several flexible bodies, or worlds: which one computes how long, and its own book.
+ordered_json parts_json(const std::vector<BodyObservation>& start,
+                        const std::vector<BodyObservation>& end) {
   ordered_json json;
-  for (std::size_t b = 0; b < r.bodies_end.size(); ++b) {
-    const BodyObservation& end = r.bodies_end[b];
-    json[end.name] = {{"compute_s", end.compute_s},
-                      {"solver_iterations", end.solver_iterations},
-                      {"state_hash", fmt::format("{:016x}", end.state_hash)},
-                      {"energy_J", book_json(r.bodies_start[b].energy, end.energy)}};
+  for (std::size_t b = 0; b < end.size(); ++b) {
+    json[end[b].name] = {{"compute_s", end[b].compute_s},
+                         {"solver_iterations", end[b].solver_iterations},
+                         {"state_hash", fmt::format("{:016x}", end[b].state_hash)},
+                         {"energy_J", book_json(start[b].energy, end[b].energy)}};
   }
   return json;
 }
@@ -175,6 +175,7 @@ ordered_json to_json(const RunReport& r) {
     json["widest_joint"] = {{"gap_m", r.widest_joint.gap_m},
                             {"part_of_arm", r.widest_joint.part},
                             {"joint", r.widest_joint.joint}};
+    if (!r.worlds_end.empty()) json["widest_joint"]["world"] = r.widest_joint.world;
   }
   if (r.pace.active()) json["pace"] = to_json(r.pace, r.largest_step);
   if (r.parasitic_mass_kg) json["parasitic_mass_kg"] = *r.parasitic_mass_kg;
@@ -189,7 +190,12 @@ ordered_json to_json(const RunReport& r) {
                          {"p99", quantile(exchange_us, 0.99)},
                          {"max", quantile(exchange_us, 1.0)}};
   json["energy_J"] = energy_json(r);
-  if (!r.broken_off && !r.bodies_end.empty()) json["bodies"] = bodies_json(r);
+  if (!r.broken_off && !r.worlds_end.empty()) {
+    json["worlds"] = parts_json(r.worlds_start, r.worlds_end);
+  }
+  if (!r.broken_off && !r.bodies_end.empty()) {
+    json["bodies"] = parts_json(r.bodies_start, r.bodies_end);
+  }
   if (!r.broken_off) json["state_hash"] = fmt::format("{:016x}", r.state_hash);
   json["ports"] = ports_json(r);
   return json;

@@ -60,6 +60,7 @@ struct RunReport {
   SideEnergies energy_end;                                ///< of the last accepted state
   std::uint64_t state_hash = 0;                           ///< likewise
   std::vector<BodyObservation> bodies_start, bodies_end;  ///< of several flexible bodies, likewise
+  std::vector<BodyObservation> worlds_start, worlds_end;  ///< of several multibody worlds, likewise
   std::vector<std::string> port_names;
   MotionSet motions;   ///< at the end
   WrenchSet wrenches;  ///< at the end

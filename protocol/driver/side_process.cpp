@@ -13,6 +13,7 @@
 #include "protocol/contract/error.h"
 #include "protocol/driver/process_memory.h"
 #include "protocol/driver/remote_bodies.h"
+#include "protocol/driver/remote_worlds.h"
 #include "protocol/driver/standard_streams.h"
 #include "protocol/wire/server.h"
 
@@ -25,10 +26,10 @@ struct Options {
   int port = 0;
   std::string directory;
   int parent_pid = 0;
-  std::string body;
+  std::string part;  ///< name of the flexible body or world
 };
 
-void declare(CLI::App& app, Options& options) {
+void declare(CLI::App& app, const SideProgram& program, Options& options) {
   app.add_option("--scenario", options.scenario,
                  "Resolved scenario file (scenario.yaml of the run)")
       ->required();
@@ -37,8 +38,13 @@ void declare(CLI::App& app, Options& options) {
       ->required()
       ->check(CLI::Range(1024, 65535));
   app.add_option("--dir", options.directory, "Run folder for the files that this side writes");
-  app.add_option("--body", options.body,
-                 "Name of the flexible body, where the scenario has several");
+  if (program.self == wire::Process::Fem) {
+    app.add_option("--body", options.part,
+                   "Name of the flexible body, where the scenario has several");
+  } else {
+    app.add_option("--world", options.part,
+                   "Name of the multibody world, where the scenario has several");
+  }
   app.add_option("--parent", options.parent_pid, "Pid of the starting process: end when it ends");
   app.footer(
       "Started by `tandem run`; by hand only for debugging, with the values that\n"
@@ -68,7 +74,8 @@ scenario::Section side_table(const SideProgram& program) {
                 coupling_keys(),
                 wire_keys(),
                 program.keys};
-  if (program.self != wire::Process::Fem) table.keys.push_back(scenario::flexible_names_key());
+  table.keys.push_back(program.self == wire::Process::Fem ? scenario::multibody_names_key()
+                                                          : scenario::flexible_names_key());
   return table;
 }
 
@@ -78,30 +85,54 @@ std::vector<std::string> port_names(const scenario::Node& root) {
   return names;
 }
 
+/// What one process of a run is to know of all.
+struct Table {
+  std::vector<scenario::BodyPorts> worlds;
+  std::vector<scenario::BodyPorts> bodies;
+};
+
 /// The partners whose silence ends this process: the driver, and the orchestrator that grants
-/// steps; of the driver all flexible bodies.
-std::vector<wire::Process> partners_of(const SideProgram& program, wire::Process driver,
-                                       const std::vector<scenario::BodyPorts>& bodies) {
+/// steps; of the driver all flexible bodies and all other worlds.
+std::vector<wire::Process> partners_of(wire::Process self, wire::Process driver,
+                                       const Table& table) {
   using wire::Process;
   if (driver == Process::Orchestrator) return {Process::Orchestrator};
   std::vector<Process> partners{driver};
-  if (driver == program.self) partners = processes_of(bodies);
+  if (driver == self) {
+    partners = processes_of(table.bodies);
+    const std::vector<Process> worlds = world_processes(table.worlds);
+    partners.insert(partners.end(), worlds.begin() + 1, worlds.end());
+  }
   partners.push_back(Process::Orchestrator);
   return partners;
 }
 
-/// Which of the flexible bodies a tandem-fem is to be.
-std::size_t body_of(const std::vector<scenario::BodyPorts>& bodies, const std::string& name) {
-  if (bodies.size() == 1) return 0;
+/// Which of the `parts`, "flexible bodies" or "multibody worlds", a process is to be.
+std::size_t part_of(const std::vector<scenario::BodyPorts>& parts, const std::string& name,
+                    const char* option, const char* what) {
+  if (parts.size() == 1) return 0;
   std::vector<std::string> names;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (bodies[b].name == name) return b;
-    names.push_back(bodies[b].name);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (parts[p].name == name) return p;
+    names.push_back(parts[p].name);
   }
   throw Error(ErrorKind::Usage,
-              fmt::format("--body: {}. The scenario has several flexible bodies: {}.",
-                          name.empty() ? "is missing" : "'" + name + "' is none of them",
+              fmt::format("{}: {}. The scenario has several {}: {}.", option,
+                          name.empty() ? "is missing" : "'" + name + "' is none of them", what,
                           fmt::join(names, ", ")));
+}
+
+/// Makes the scenario that of the part which this process is to be; says which process that is.
+wire::Process become(const SideProgram& program, const std::string& name, const Table& table,
+                     scenario::Loaded& loaded) {
+  if (program.self == wire::Process::Fem) {
+    const std::size_t own = part_of(table.bodies, name, "--body", "flexible bodies");
+    loaded.root = scenario::flexible_bodies(loaded.root)[own].root;
+    return wire::body_process(own, table.bodies.size());
+  }
+  const std::size_t own = part_of(table.worlds, name, "--world", "multibody worlds");
+  loaded.root = scenario::multibody_worlds(loaded.root)[own].root;
+  return wire::world_process(own, table.worlds.size());
 }
 
 /// Until every partner has been heard: starting takes longer than an answer in mid-run may.
@@ -120,39 +151,33 @@ int join_run(const SideProgram& program, const Options& options,
              const std::function<int(SideContext&)>& body) {
   auto loaded =
       scenario::load(options.scenario, side_table(program), {}, scenario::UnknownKeys::Ignore);
-  const std::vector<scenario::BodyPorts> bodies = scenario::body_table(loaded.root);
-  require(bodies.size() <= wire::kMostBodies,
-          fmt::format("{}: {} flexible bodies; a run holds {} at most.", program.name,
-                      bodies.size(), wire::kMostBodies));
-  wire::Process self = program.self;
-  if (self == wire::Process::Fem) {
-    const std::size_t own = body_of(bodies, options.body);
-    self = wire::body_process(own, bodies.size());
-    loaded.root = scenario::flexible_bodies(loaded.root)[own].root;
-  }
+  const Table table{scenario::world_table(loaded.root), scenario::body_table(loaded.root)};
+  const std::vector<std::string> all_ports = port_names(loaded.root);
+  const wire::Process self = become(program, options.part, table, loaded);
   const WireParams params = read_wire(loaded.root);
   wire::BusOptions bus_options;
   bus_options.self = self;
-  bus_options.names = process_names(bodies);
+  bus_options.names = process_names(table.bodies, table.worlds);
   bus_options.run_id = parse_run_id(options.run_id_hex);
   bus_options.port = options.port;
   bus_options.ttl = static_cast<int>(params.ttl);
   bus_options.receive = params.receive;
-  const wire::Process driver =
-      params.driver == DriverPlace::Mbs ? wire::Process::Mbs : wire::Process::Orchestrator;
-  bus_options.wait = wait_in_run(params.wait, params.placement, self, driver, bodies.size());
+  const wire::Process driver = driver_process(params.driver, table.worlds);
+  bus_options.wait = wait_in_run(params.wait, params.placement, self, driver,
+                                 table.bodies.size() + table.worlds.size() - 1);
   place_process(params.placement, self, driver, bus_options.run_id);
   wire::Bus bus(bus_options);
   try {
     wire::Heartbeat heartbeat(bus, params.timeout_s);
-    const std::vector<wire::Process> partners = partners_of(program, driver, bodies);
+    const std::vector<wire::Process> partners = partners_of(self, driver, table);
     await(partners, bus, heartbeat, params.start_timeout_s, options.parent_pid);
     wire::LivenessMonitor monitor(bus, partners, params.timeout_s, options.parent_pid);
     SideContext context{.scenario = loaded,
                         .run = scenario::read_run(loaded.root),
                         .wire = params,
-                        .port_names = port_names(loaded.root),
-                        .bodies = bodies,
+                        .port_names = all_ports,
+                        .bodies = table.bodies,
+                        .worlds = table.worlds,
                         .directory = options.directory,
                         .bus = bus,
                         .heartbeat = heartbeat,
@@ -186,7 +211,7 @@ int run_side_process(const SideProgram& program, int argc, char** argv,
   CLI::App app(program.description, program.name);
   app.set_version_flag("--version", kTandemVersion);
   Options options;
-  declare(app, options);
+  declare(app, program, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

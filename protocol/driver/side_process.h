@@ -3,12 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "protocol/driver/wire_params.h"
 #include "protocol/scenario/common_keys.h"
-#include "protocol/scenario/flexible_bodies.h"
+#include "protocol/scenario/multibody_worlds.h"
 #include "protocol/scenario/scenario_file.h"
 #include "protocol/schemes/coupling_params.h"
 #include "protocol/wire/bus.h"
@@ -28,11 +29,13 @@ struct SideProgram {
 
 /// What a side process has in hand once it has joined its run.
 struct SideContext {
-  scenario::Loaded scenario;  ///< as this side reads it: of several flexible bodies its own alone
+  /// As this side reads it: of several flexible bodies or worlds its own alone.
+  scenario::Loaded scenario;
   scenario::RunParams run;
   WireParams wire;
-  std::vector<std::string> port_names;      ///< of this side
+  std::vector<std::string> port_names;      ///< of the run
   std::vector<scenario::BodyPorts> bodies;  ///< the flexible ones of the run
+  std::vector<scenario::BodyPorts> worlds;  ///< the multibody ones of the run
   std::filesystem::path directory;  ///< run folder for files of this side; empty = write none
   wire::Bus& bus;
   wire::Heartbeat& heartbeat;
@@ -50,8 +53,9 @@ int run_side_process(const SideProgram& program, int argc, char** argv,
 void serve_side(SideContext& context, MbsSide& side);
 void serve_side(SideContext& context, FemSide& side);
 
-/// Runs the scheme here, with `mbs` as the local side and tandem-fem behind LCM; journals every
-/// macro step to the orchestrator. Returns the exit code of the run.
-int drive_from_mbs(SideContext& context, MbsSide& mbs);
+/// Runs the scheme here, with `mbs` as the local side, the first of several worlds, and tandem-fem
+/// and the other worlds behind LCM; journals every macro step to the orchestrator. Returns the exit
+/// code of the run.
+int drive_from_mbs(SideContext& context, std::unique_ptr<MbsSide> mbs);
 
 }  // namespace tandem

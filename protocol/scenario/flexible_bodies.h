@@ -9,9 +9,9 @@
 
 namespace tandem::scenario {
 
-/// Name and ports of a flexible body: a row of the table of sides.
+/// Name and ports of a flexible body, or of a multibody world: a row of the table of sides.
 struct BodyPorts {
-  std::string name;                ///< empty where `fem` is one mapping without a name
+  std::string name;                ///< empty where there is one mapping without a name
   std::vector<std::size_t> ports;  ///< numbers in the table of all ports
 };
 

@@ -45,7 +45,7 @@ struct Bus::State {
       socket = own.get();
       receiver = std::move(own);
     }
-    for (std::size_t topic = 0; topic < kFirstBody + given.names.bodies(); ++topic) {
+    for (std::size_t topic = 0; topic < given.names.processes(); ++topic) {
       auto& own = channels.emplace_back();
       for (std::size_t kind = 0; kind < kKinds; ++kind) {
         own[kind] = filter.prefix + text_of(static_cast<Process>(topic)) + "_" +

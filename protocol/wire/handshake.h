@@ -12,7 +12,7 @@ namespace tandem::wire {
 
 /// What the process that says hello expects of the one that answers.
 struct RemoteOptions {
-  Process side = Process::Fem;  ///< Mbs, Fem or one of several bodies
+  Process side = Process::Fem;  ///< Mbs, Fem or one of several worlds or bodies
   std::uint64_t scenario_hash = 0;
   std::vector<std::string> port_names;
   std::string tandem_version;

@@ -181,13 +181,15 @@ void LivenessMonitor::fail_silent(const Partner& partner) const {
                   others_than(partner), sending));
 }
 
-// Of several flexible bodies: who else is missing, and what the others are doing.
+// Of several flexible bodies or worlds: who else is missing, and what the others are doing.
 std::string LivenessMonitor::others_than(const Partner& silent) const {
-  if (bus_.options().names.bodies() < 2) return {};
+  if (!bus_.options().names.several()) return {};
   const double time_s = now_s();
   std::string missing, others;
   for (const Partner& partner : partners_) {
-    if (partner.released || !is_flexible(partner.process)) continue;
+    if (partner.released || !(is_flexible(partner.process) || is_multibody(partner.process))) {
+      continue;
+    }
     const std::string asked = tell_ ? tell_(partner.process) : std::string();
     if (&partner == &silent) {
       if (!asked.empty()) missing += fmt::format(" {} {}.", bus_.program_of(silent.process), asked);

@@ -175,11 +175,14 @@ namespace {
 
 std::vector<double> pack(const SideEnergies& energy) {
   std::vector<double> values;
-  for (const EnergyBook* side : {&energy.mbs, &energy.fem}) {
+  const auto add = [&](const EnergyBook& book) {
     values.insert(values.end(),
-                  {side->kinetic_J, side->potential_J, side->elastic_J, side->external_work_J,
-                   side->interface_work_J, side->damping_loss_J, side->numerical_loss_J});
-  }
+                  {book.kinetic_J, book.potential_J, book.elastic_J, book.external_work_J,
+                   book.interface_work_J, book.damping_loss_J, book.numerical_loss_J});
+  };
+  add(energy.mbs);
+  add(energy.fem);
+  for (const EnergyBook& part : energy.parts) add(part);
   return values;
 }
 
@@ -233,8 +236,9 @@ Bytes encode(const Header& header, const StepRecord& step) {
 
 std::optional<StepRecord> decode_step(ByteView message) {
   const auto packed = from_bytes(message, tandem_wire::step_t{}, {8});
-  if (!packed || (packed->n_energy != 0 && packed->n_energy != 2 * kBookEntries) ||
-      packed->outcome < 0 || packed->outcome > static_cast<int>(Outcome::Failed)) {
+  if (!packed || packed->energy_J.size() % kBookEntries != 0 ||
+      packed->energy_J.size() == kBookEntries || packed->outcome < 0 ||
+      packed->outcome > static_cast<int>(Outcome::Failed)) {
     return std::nullopt;
   }
   StepRecord step;
@@ -265,7 +269,10 @@ std::optional<StepRecord> decode_step(ByteView message) {
   if (packed->n_energy > 0) {
     const std::span<const double> values(packed->energy_J);
     step.energy = {.mbs = unpack_book(values.first<kBookEntries>()),
-                   .fem = unpack_book(values.last<kBookEntries>())};
+                   .fem = unpack_book(values.subspan<kBookEntries, kBookEntries>())};
+    for (std::size_t at = 2 * kBookEntries; at < values.size(); at += kBookEntries) {
+      step.energy->parts.push_back(unpack_book(values.subspan(at).first<kBookEntries>()));
+    }
   }
   return step;
 }

@@ -184,7 +184,7 @@ void RemoteLink::check_reply() const {
   }
   const std::size_t ports = options_.port_names.size();
   const bool gives = call_ == RequestKind::Initialize || call_ == RequestKind::Advance;
-  const bool from_mbs = options_.side == Process::Mbs;
+  const bool from_mbs = is_multibody(options_.side);
   const std::size_t motions = reply_.motions.size();
   const std::size_t wrenches = reply_.wrenches.size();
   const std::size_t output = from_mbs ? motions : wrenches;

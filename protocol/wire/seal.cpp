@@ -95,7 +95,9 @@ std::string text_of(Process process) {
     case Process::Tool:
       return "tool";
   }
-  return "fem" + std::to_string(static_cast<std::size_t>(process) - kFirstBody + 1);
+  const auto number = static_cast<std::size_t>(process);
+  if (is_multibody(process)) return "mbs" + std::to_string(number - kFirstWorld + 1);
+  return "fem" + std::to_string(number - kFirstBody + 1);
 }
 
 std::uint32_t checksum_of(ByteView message) {

@@ -59,19 +59,31 @@ inline constexpr std::size_t kKinds = 20;
 [[nodiscard]] const char* text_of(Kind kind);  ///< "request": last part of the channel's name
 
 /// The processes of a run. Where it has several flexible bodies, each has one of its own, and there
-/// is no Fem: see body_process(). Fem's channels are then those of all of them.
+/// is no Fem: see body_process(). Fem's channels are then those of all of them. Likewise of several
+/// multibody worlds: see world_process().
 enum class Process : std::int32_t { Mbs = 0, Fem = 1, Orchestrator = 2, Tool = 3 };
 inline constexpr std::size_t kFirstBody = 4;
 inline constexpr std::size_t kMostBodies = 60;
-inline constexpr std::size_t kProcesses = kFirstBody + kMostBodies;
+inline constexpr std::size_t kFirstWorld = kFirstBody + kMostBodies;
+inline constexpr std::size_t kMostWorlds = 32;
+inline constexpr std::size_t kProcesses = kFirstWorld + kMostWorlds;
 /// That of the flexible body of this number, of so many.
 [[nodiscard]] constexpr Process body_process(std::size_t body, std::size_t bodies) {
   return bodies == 1 ? Process::Fem : static_cast<Process>(kFirstBody + body);
 }
-[[nodiscard]] constexpr bool is_flexible(Process process) {
-  return process == Process::Fem || static_cast<std::size_t>(process) >= kFirstBody;
+/// That of the multibody world of this number, of so many.
+[[nodiscard]] constexpr Process world_process(std::size_t world, std::size_t worlds) {
+  return worlds == 1 ? Process::Mbs : static_cast<Process>(kFirstWorld + world);
 }
-/// First part of a channel's name: "mbs", "fem"; "fem1", "fem2" … of several flexible bodies.
+[[nodiscard]] constexpr bool is_multibody(Process process) {
+  return process == Process::Mbs || static_cast<std::size_t>(process) >= kFirstWorld;
+}
+[[nodiscard]] constexpr bool is_flexible(Process process) {
+  return process == Process::Fem ||
+         (static_cast<std::size_t>(process) >= kFirstBody && !is_multibody(process));
+}
+/// First part of a channel's name: "mbs", "fem"; "fem1", "fem2" … of several flexible bodies,
+/// "mbs1", "mbs2" … of several multibody worlds.
 [[nodiscard]] std::string text_of(Process process);
 
 /// First member of every message; types/header.lcm says what each field means.

@@ -99,7 +99,8 @@ TEST_P(CoupledSystem, HasOrderTwoWithTheSecondOrderPair) {
 
 INSTANTIATE_TEST_SUITE_P(Systems, CoupledSystem,
                          testing::Values("ball_chain", "three_ports", "both_ends", "rotor",
-                                         "loose_ports", "two_bodies", "junctions"),
+                                         "loose_ports", "two_bodies", "two_bodies_damped",
+                                         "junctions"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <sstream>
 
 #include "protocol/wire/event_log.h"
 #include "tests/support/chain_of_links.h"
@@ -212,6 +213,46 @@ TEST(RunBodiesBooks, AreThoseOfEachBody) {
   }
   const double all_J = summary.at("energy_J").at("fem").at("interface_work").get<double>();
   EXPECT_NEAR(interface_J, all_J, 1e-12 * std::abs(all_J)) << "a sum of two numbers";
+}
+
+/// Columns of a table of numbers, by name.
+std::map<std::string, std::vector<double>> columns_of(const std::filesystem::path& file) {
+  std::istringstream text(read_file(file));
+  std::string line, cell;
+  std::vector<std::string> names;
+  std::getline(text, line);
+  for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell);
+  std::map<std::string, std::vector<double>> columns;
+  while (std::getline(text, line)) {
+    std::istringstream row(line);
+    for (const std::string& name : names) {
+      std::getline(row, cell, ',');
+      columns[name].push_back(std::stod(cell));
+    }
+  }
+  return columns;
+}
+
+// energy.csv has the book of each body behind those of the sides, on every transport the same.
+TEST(RunBodiesBooks, AreInTheTableOfEnergiesAtEveryStep) {
+  const Chain chain(3);
+  const std::vector<std::string> every{"--set", "output.energy_every_steps=1"};
+  (void)chain.run("lcm", every);
+  (void)chain.run("here", {"--transport", "inproc", "--set", "output.energy_every_steps=1"});
+  EXPECT_EQ(read_file(chain.folder / "lcm/energy.csv"),
+            read_file(chain.folder / "here/energy.csv"));
+  auto columns = columns_of(chain.folder / "lcm/energy.csv");
+  for (const char* entry : {"kinetic_J", "elastic_J", "potential_J", "interface_work_J"}) {
+    const std::vector<double>& all = columns.at(std::string("fem.") + entry);
+    ASSERT_EQ(all.size(), 21U);
+    for (std::size_t row = 0; row < all.size(); ++row) {
+      double sum = 0.0;
+      for (const char* link : {"link1.", "link2.", "link3."}) {
+        sum += columns.at(link + std::string(entry)).at(row);
+      }
+      EXPECT_NEAR(sum, all[row], 1e-12 * (1.0 + std::abs(all[row]))) << entry << " " << row;
+    }
+  }
 }
 
 TEST(RunBodiesControl, CommandsSayWhichBody) {

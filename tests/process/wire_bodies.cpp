@@ -12,7 +12,7 @@
 #include <thread>
 
 #include "protocol/contract/error.h"
-#include "protocol/driver/composite_fem.h"
+#include "protocol/driver/composite_side.h"
 #include "protocol/driver/remote_bodies.h"
 #include "protocol/wire/server.h"
 #include "tests/support/wire_mock_sides.h"
@@ -33,7 +33,7 @@ struct Bodies {
   }
   [[nodiscard]] Process process(std::size_t b) const { return body_process(b, table.size()); }
   [[nodiscard]] BusOptions bus(Process self) const {
-    return {.self = self, .run_id = run, .port = port, .names = process_names(table)};
+    return {.self = self, .run_id = run, .port = port, .names = process_names(table, {})};
   }
 
   std::vector<scenario::BodyPorts> table;

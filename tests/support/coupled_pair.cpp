@@ -9,7 +9,7 @@
 #include "mbs_process/make_side.h"
 #include "orchestrator/run/step_tables.h"
 #include "protocol/contract/error.h"
-#include "protocol/driver/composite_fem.h"
+#include "protocol/driver/composite_side.h"
 #include "protocol/schemes/monolithic.h"
 #include "protocol/schemes/transmission_line.h"
 
@@ -88,8 +88,14 @@ CoupledPair::Overrides exact(const CoupledPair::Overrides& overrides) {
 
 CoupledPair::CoupledPair(const std::string& scenario, const Overrides& overrides)
     : model_(orchestrator::load_model(
-          std::filesystem::path(TANDEM_SOURCE_DIR) / "examples" / scenario, exact(overrides))),
-      mbs_(mbs::make_side(model_.scenario.root, {})) {
+          std::filesystem::path(TANDEM_SOURCE_DIR) / "examples" / scenario, exact(overrides))) {
+  std::vector<MbsPart> worlds;
+  for (const scenario::MultibodyWorld& world : model_.worlds) {
+    auto side = mbs::make_side(world.root, {});
+    worlds_.push_back(side.get());
+    worlds.push_back({world.name, std::move(side), world.ports});
+  }
+  mbs_ = composed(std::move(worlds));
   std::vector<FemPart> parts;
   for (const scenario::FlexibleBody& body : model_.bodies) {
     auto side = fem::make_model(body.root, {});
@@ -116,9 +122,11 @@ RunReport CoupledPair::run(orchestrator::Mode mode, const Observer& observer) {
 
 Eigen::Vector3d CoupledPair::linear_momentum() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
-    if (mbs_->params().bodies[i].massless) continue;
-    sum += mbs_->params().bodies[i].mass_kg * mbs_->state().bodies[i].v_WB;
+  for (const mbs::RigidWorld* world : worlds_) {
+    for (std::size_t i = 0; i < world->params().bodies.size(); ++i) {
+      if (world->params().bodies[i].massless) continue;
+      sum += world->params().bodies[i].mass_kg * world->state().bodies[i].v_WB;
+    }
   }
   for (const fem::FlexibleSide* body : meshed_) {
     const Eigen::VectorXd momenta = nodal_momenta(*body);
@@ -129,13 +137,15 @@ Eigen::Vector3d CoupledPair::linear_momentum() const {
 
 Eigen::Vector3d CoupledPair::angular_momentum() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < mbs_->params().bodies.size(); ++i) {
-    const mbs::BodyParams& params = mbs_->params().bodies[i];
-    if (params.massless) continue;
-    const mbs::BodyState& body = mbs_->state().bodies[i];
-    const Eigen::Matrix3d R_WB = body.q_WB.toRotationMatrix();
-    sum += params.mass_kg * body.p_WB.cross(body.v_WB) +
-           R_WB * params.inertia_B() * R_WB.transpose() * body.w_WB;
+  for (const mbs::RigidWorld* world : worlds_) {
+    for (std::size_t i = 0; i < world->params().bodies.size(); ++i) {
+      const mbs::BodyParams& params = world->params().bodies[i];
+      if (params.massless) continue;
+      const mbs::BodyState& body = world->state().bodies[i];
+      const Eigen::Matrix3d R_WB = body.q_WB.toRotationMatrix();
+      sum += params.mass_kg * body.p_WB.cross(body.v_WB) +
+             R_WB * params.inertia_B() * R_WB.transpose() * body.w_WB;
+    }
   }
   for (const fem::FlexibleSide* body : meshed_) {
     const fem::State state = body->nodal_state();

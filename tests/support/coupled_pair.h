@@ -25,7 +25,7 @@ struct Sample {
 };
 
 /// Both sides of an example as objects of this process, and their coupled run. The flexible side
-/// may be several bodies.
+/// may be several bodies, the multibody side several worlds.
 class CoupledPair {
  public:
   using Overrides = std::vector<scenario::Override>;
@@ -39,7 +39,8 @@ class CoupledPair {
   RunReport run(orchestrator::Mode mode, const Observer& observer);
 
   [[nodiscard]] const orchestrator::Model& model() const { return model_; }
-  [[nodiscard]] const mbs::RigidWorld& mbs() const { return *mbs_; }
+  /// The first world.
+  [[nodiscard]] const mbs::RigidWorld& mbs() const { return *worlds_.at(0); }
   /// The first flexible body on a mesh.
   [[nodiscard]] const fem::FlexibleSide& fem() const { return *meshed_.at(0); }
   /// Of all flexible bodies.
@@ -51,7 +52,8 @@ class CoupledPair {
 
  private:
   orchestrator::Model model_;
-  std::unique_ptr<mbs::RigidWorld> mbs_;
+  std::unique_ptr<MbsSide> mbs_;
+  std::vector<const mbs::RigidWorld*> worlds_;    ///< within mbs_, in the order of the scenario
   std::unique_ptr<FemSide> fem_;                  ///< as the scheme needs it
   std::vector<const fem::FlexibleSide*> meshed_;  ///< within fem_, in the order of the scenario
 };

@@ -14,7 +14,7 @@ namespace {
 SystemGraph graph_of_example(const std::string& example) {
   const Model model =
       load_model(TANDEM_SOURCE_DIR + std::string("/examples/") + example + "/scenario.yaml", {});
-  return graph_of(model, mbs::make_side(model.scenario.root, {})->params());
+  return graph_of(model);
 }
 
 std::size_t occurrences(const std::string& text, const std::string& what) {

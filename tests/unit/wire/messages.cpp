@@ -244,7 +244,9 @@ StepJournal some_journal() {
 
 TEST(WireMessages, JournalKeepsEnergiesWhereTheyWereObserved) {
   StepJournal journal = some_journal();
-  journal.step.energy = SideEnergies{.mbs = some_book(), .fem = some_book() + some_book()};
+  journal.step.energy = SideEnergies{.mbs = some_book(),
+                                     .fem = some_book() + some_book(),
+                                     .parts = {some_book(), {}, some_book()}};
   const auto journals = decode_journal(encode(some_header(Kind::Journal), journal));
   ASSERT_TRUE(journals.has_value());
   EXPECT_EQ(journals->front().step.energy, journal.step.energy);

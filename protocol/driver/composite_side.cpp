@@ -1,10 +1,11 @@
-#include "protocol/driver/composite_fem.h"
+#include "protocol/driver/composite_side.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "protocol/contract/error.h"
@@ -13,9 +14,16 @@
 namespace tandem {
 namespace {
 
-constexpr Eigen::Index kMotion = 12, kWrench = 6;  ///< rows of a port in a Jacobian's two sides
+/// Whether the side maps motions to wrenches.
+template <class In>
+constexpr bool kFlexible = std::is_same_v<In, MotionSet>;
 
-std::string named(const FemPart& part, const std::string& message) {
+/// Entries of a port in a set, as a Jacobian's rows or columns hold them.
+template <class Set>
+constexpr Eigen::Index kWidth = std::is_same_v<Set, MotionSet> ? 12 : 6;
+
+template <class Part>
+std::string named(const Part& part, const std::string& message) {
   return message.empty() ? message : part.name + ": " + message;
 }
 
@@ -32,8 +40,8 @@ void for_each(Parts& parts, const Call& call) {
 }
 
 /// What `call`, the end of a call to the part, gives; its times are booked.
-template <class Call>
-auto timed(const FemPart& part, std::vector<wire::PartTimes>& times, const Call& call) {
+template <class Part, class Call>
+auto timed(const Part& part, std::vector<wire::PartTimes>& times, const Call& call) {
   const double begin_s = now_s();
   auto result = call();
   if (const auto* own = dynamic_cast<const wire::TimedCalls*>(part.side.get())) {
@@ -49,10 +57,12 @@ auto timed(const FemPart& part, std::vector<wire::PartTimes>& times, const Call&
   return result;
 }
 
-SubsystemInfo joined_info(const std::vector<FemPart>& parts) {
-  SubsystemInfo info{.name = "fem", .ports = {}, .micro_step = {}, .can_linearize = true};
+template <class In, class Out>
+SubsystemInfo joined_info(const std::vector<SidePart<In, Out>>& parts) {
+  SubsystemInfo info{
+      .name = kFlexible<In> ? "fem" : "mbs", .ports = {}, .micro_step = {}, .can_linearize = true};
   std::size_t ports = 0;
-  for (const FemPart& part : parts) ports += part.ports.size();
+  for (const auto& part : parts) ports += part.ports.size();
   info.ports.resize(ports);
   for (std::size_t b = 0; b < parts.size(); ++b) {
     const SubsystemInfo& own = parts[b].side->info();
@@ -71,28 +81,32 @@ SubsystemInfo joined_info(const std::vector<FemPart>& parts) {
 
 }  // namespace
 
-CompositeFem::CompositeFem(std::vector<FemPart> parts)
+template <class In, class Out>
+CompositeSide<In, Out>::CompositeSide(std::vector<Part> parts)
     : parts_(std::move(parts)), info_(joined_info(parts_)) {}
 
-WrenchSet CompositeFem::initialize(const MotionSet& motions) {
-  WrenchSet wrenches(info_.ports.size());
+template <class In, class Out>
+Out CompositeSide<In, Out>::initialize(const In& input) {
+  Out output(info_.ports.size());
   times_.clear();
-  for_each(parts_, [&](FemPart& part) {
-    const WrenchSet own =
-        timed(part, times_, [&] { return part.side->initialize(of_ports(motions, part.ports)); });
-    for (std::size_t i = 0; i < own.size(); ++i) wrenches[part.ports[i]] = own[i];
+  for_each(parts_, [&](Part& part) {
+    const Out own =
+        timed(part, times_, [&] { return part.side->initialize(of_ports(input, part.ports)); });
+    for (std::size_t i = 0; i < own.size(); ++i) output[part.ports[i]] = own[i];
   });
-  return wrenches;
+  return output;
 }
 
-StepResult<WrenchSet> CompositeFem::advance(const StepRequest<MotionSet>& request) {
+template <class In, class Out>
+StepResult<Out> CompositeSide<In, Out>::advance(const StepRequest<In>& request) {
   begin_advance(request);
   return finish_advance();
 }
 
-void CompositeFem::begin_advance(const StepRequest<MotionSet>& request) {
+template <class In, class Out>
+void CompositeSide<In, Out>::begin_advance(const StepRequest<In>& request) {
   linearizes_ = request.linearize;
-  for_each(parts_, [&](FemPart& part) {
+  for_each(parts_, [&](Part& part) {
     part.side->begin_advance({.step = request.step,
                               .input = {of_ports(request.input.begin, part.ports),
                                         of_ports(request.input.end, part.ports)},
@@ -100,18 +114,21 @@ void CompositeFem::begin_advance(const StepRequest<MotionSet>& request) {
   });
 }
 
-StepResult<WrenchSet> CompositeFem::finish_advance() {
-  StepResult<WrenchSet> all;
+template <class In, class Out>
+StepResult<Out> CompositeSide<In, Out>::finish_advance() {
+  StepResult<Out> all;
   times_.clear();
   all.outcome = Outcome::Done;
   all.message.clear();
   all.output.resize(info_.ports.size());
   if (linearizes_) {
     const auto ports = static_cast<Eigen::Index>(info_.ports.size());
-    all.jacobian = InterfaceJacobian::Zero(kWrench * ports, kMotion * ports);
+    all.jacobian = InterfaceJacobian::Zero(kWidth<Out> * ports, kWidth<In> * ports);
   }
-  for_each(parts_, [&](FemPart& part) {
-    StepResult<WrenchSet> own = timed(part, times_, [&] { return part.side->finish_advance(); });
+  for_each(parts_, [&](Part& part) {
+    StepResult<Out> own = timed(part, times_, [&] { return part.side->finish_advance(); });
+    // A part of this process does not book its own time.
+    if (times_.back().side_us == 0.0) own.cost.compute_s = times_.back().compute_s;
     part.compute_s += times_.back().compute_s;
     part.solver_iterations += own.solver_iterations;
     gather(part, own, all);
@@ -125,8 +142,10 @@ StepResult<WrenchSet> CompositeFem::finish_advance() {
   return all;
 }
 
-void CompositeFem::gather(const FemPart& part, StepResult<WrenchSet>& from,
-                          StepResult<WrenchSet>& all) const {
+template <class In, class Out>
+void CompositeSide<In, Out>::gather(const Part& part, StepResult<Out>& from,
+                                    StepResult<Out>& all) const {
+  constexpr Eigen::Index kRows = kWidth<Out>, kColumns = kWidth<In>;
   all.outcome = std::max(all.outcome, from.outcome);
   if (!from.message.empty()) {
     all.message += (all.message.empty() ? "" : "; ") + named(part, from.message);
@@ -144,27 +163,32 @@ void CompositeFem::gather(const FemPart& part, StepResult<WrenchSet>& from,
   if (!all.jacobian) return;
   for (std::size_t r = 0; r < part.ports.size(); ++r) {
     for (std::size_t c = 0; c < part.ports.size(); ++c) {
-      all.jacobian->block<kWrench, kMotion>(kWrench * static_cast<Eigen::Index>(part.ports[r]),
-                                            kMotion * static_cast<Eigen::Index>(part.ports[c])) =
-          from.jacobian->block<kWrench, kMotion>(kWrench * static_cast<Eigen::Index>(r),
-                                                 kMotion * static_cast<Eigen::Index>(c));
+      all.jacobian->template block<kRows, kColumns>(
+          kRows * static_cast<Eigen::Index>(part.ports[r]),
+          kColumns * static_cast<Eigen::Index>(part.ports[c])) =
+          from.jacobian->template block<kRows, kColumns>(kRows * static_cast<Eigen::Index>(r),
+                                                         kColumns * static_cast<Eigen::Index>(c));
     }
   }
 }
 
-void CompositeFem::checkpoint() {
-  for_each(parts_, [](FemPart& part) { part.side->checkpoint(); });
+template <class In, class Out>
+void CompositeSide<In, Out>::checkpoint() {
+  for_each(parts_, [](Part& part) { part.side->checkpoint(); });
 }
 
-void CompositeFem::rollback() {
-  for_each(parts_, [](FemPart& part) { part.side->rollback(); });
+template <class In, class Out>
+void CompositeSide<In, Out>::rollback() {
+  for_each(parts_, [](Part& part) { part.side->rollback(); });
 }
 
-CommandResult CompositeFem::command(const std::string& text) {
+template <class In, class Out>
+CommandResult CompositeSide<In, Out>::command(const std::string& text) {
+  if constexpr (!kFlexible<In>) return Subsystem<In, Out>::command(text);
   const std::size_t space = text.find(' ');
   const std::string name = text.substr(0, space);
   std::vector<std::string> names;
-  for (FemPart& part : parts_) {
+  for (Part& part : parts_) {
     if (part.name != name || space == std::string::npos) {
       names.push_back(part.name);
       continue;
@@ -182,15 +206,21 @@ CommandResult CompositeFem::command(const std::string& text) {
       .cost = {}};
 }
 
-Observation CompositeFem::observe() {
+template <class In, class Out>
+Observation CompositeSide<In, Out>::observe() {
   Observation all;
   StateHash hash;
-  for_each(parts_, [&](FemPart& part) {
+  for_each(parts_, [&](Part& part) {
     const Observation own = part.side->observe();
     all.time = own.time;
     all.energy += own.energy;
     hash.add(own.state_hash);
     all.elastic_turn_rad = std::max(all.elastic_turn_rad, own.elastic_turn_rad);
+    // Written so that a gap that is no number is kept.
+    if (own.widest_joint.joint >= 0 && !(own.widest_joint.part <= all.widest_joint.part)) {
+      all.widest_joint = own.widest_joint;
+      all.widest_joint.world = static_cast<std::int32_t>(all.bodies.size());
+    }
     all.bodies.push_back({.name = part.name,
                           .energy = own.energy,
                           .state_hash = own.state_hash,
@@ -201,13 +231,12 @@ Observation CompositeFem::observe() {
   return all;
 }
 
-void CompositeFem::append_times(std::vector<wire::PartTimes>& to) const {
+template <class In, class Out>
+void CompositeSide<In, Out>::append_times(std::vector<wire::PartTimes>& to) const {
   to.insert(to.end(), times_.begin(), times_.end());
 }
 
-std::unique_ptr<FemSide> composed(std::vector<FemPart> parts) {
-  if (parts.size() == 1) return std::move(parts.front().side);
-  return std::make_unique<CompositeFem>(std::move(parts));
-}
+template class CompositeSide<MotionSet, WrenchSet>;
+template class CompositeSide<WrenchSet, MotionSet>;
 
 }  // namespace tandem
