@@ -141,9 +141,8 @@ Key multibody_names_key() {
   body.keys = {name("name").doc_is("Its name.")};
   Section mbs;
   mbs.title = "Multibody side";
-  mbs.keys = {name("name").doc_is("Its name, where there are several."),
-              sections("bodies", body).by_default("[]"),
-              sections("junctions", std::move(body)).by_default("[]")};
+  mbs.keys = {name("name").doc_is("Its name, where there are several."), sections("bodies", body),
+              sections("junctions", std::move(body))};
   return section("mbs", std::move(mbs)).or_several();
 }
 
