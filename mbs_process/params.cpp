@@ -359,11 +359,11 @@ std::optional<std::size_t> port_at(const Params& params, const BodyParams& junct
 
 std::optional<Defect> bad_junction(const BodyParams& body, const Params& params) {
   if (!body.massless) return std::nullopt;
-  if (params.integrator != IntegratorKind::Euler && params.micro_step &&
-      *params.micro_step != params.macro_step) {
+  if (params.micro_step && *params.micro_step != params.macro_step) {
     return Defect{"name",
-                  "junctions and mbs.micro_step_s do not go together with an mbs.integrator of "
-                  "second order. Leave the micro step out and shorten run.macro_step_s."};
+                  "junctions and mbs.micro_step_s do not go together: what has no mass is balanced "
+                  "over macro steps alone. Leave the micro step out and shorten "
+                  "run.macro_step_s."};
   }
   const std::string ports = ports_on(body, params);
   if (ports.empty()) {

@@ -53,6 +53,9 @@ struct State {
   Eigen::VectorXd beyond;
   double bushing_loss_W = 0.0;
   MotionSet port_motions;
+  /// Backward Euler: 1 for ports whose last step was h times their velocity at its end, 0 where it
+  /// was rather the mean of both ends; empty before the first step.
+  Eigen::VectorXd port_chords;
   RateHistory port_rates;  ///< of the ports' origins, v left out; with backward Euler a_mean alone
   WrenchSet port_wrenches;
   int inverted_elements = 0;  ///< at the last linearisation
@@ -66,7 +69,7 @@ struct State {
     for (const Eigen::VectorXd* values :
          {&x, &v, &a, &acceleration, &a_mean, &relative_velocity, &attached, &rigid.v, &rigid.a,
           &rigid.acceleration, &rigid.a_mean, &port_rates.a, &port_rates.acceleration,
-          &port_rates.a_mean, &moved, &support, &damping_force, &beyond}) {
+          &port_rates.a_mean, &port_chords, &moved, &support, &damping_force, &beyond}) {
       hash.add(std::span<const double>(values->data(), static_cast<std::size_t>(values->size())));
     }
     if (past.size() > 0) {

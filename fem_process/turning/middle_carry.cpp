@@ -55,6 +55,29 @@ MotionSet MiddleCarry::seen(const Carried& carried, const MotionSet& end) const 
   return motions;
 }
 
+namespace {
+
+/// ω × Q r − (Q − 1) r / h, r from the centre of the turn to `at` (m/s).
+Eigen::Vector3d chord_lag(const Carried::Turn& turn, const Eigen::Vector3d& at, double h_s) {
+  const Eigen::Vector3d r = at - turn.about;
+  const Eigen::Vector3d chord = (turn.Q - Eigen::Matrix3d::Identity()) * r;
+  return turn.omega.cross(Eigen::Vector3d(turn.Q * r)) - chord / h_s;
+}
+
+/// State::port_chords of the step from `begin` to `end`.
+Eigen::VectorXd chords_of(const MotionSet& begin, const MotionSet& end, double h_s) {
+  Eigen::VectorXd chords(static_cast<Eigen::Index>(end.size()));
+  for (std::size_t p = 0; p < end.size(); ++p) {
+    const Eigen::Vector3d way = end[p].p_WP - begin[p].p_WP;
+    const Eigen::Vector3d mean = 0.5 * (begin[p].v_WP + end[p].v_WP);
+    const bool by_end = (way - h_s * end[p].v_WP).norm() <= (way - h_s * mean).norm();
+    chords[static_cast<Eigen::Index>(p)] = by_end ? 1.0 : 0.0;
+  }
+  return chords;
+}
+
+}  // namespace
+
 void MiddleCarry::refer(std::size_t s, const State& begin, const Carried& carried,
                         const MotionSet& end, Eigen::VectorXd& v) const {
   const MotionSet ports = seen(carried, end);
@@ -62,22 +85,19 @@ void MiddleCarry::refer(std::size_t s, const State& begin, const Carried& carrie
   const Carried::Turn& turn = carried.turns[s];
   const double share = 1.0 / static_cast<double>(part.holders.size());
   Motion rigid;  // mean of the holders
-  // e_k / h of conclude(), to first order in what moves beyond the turn: the rate at which the
-  // holder's own integrator leads it away from where its velocity points. On a circle that is
-  // ω² h/2 of its radius, which is no strain of the body.
+  // e_k / h of conclude() on a circle: a port that steps by h times the velocity at its end takes a
+  // tangent for the chord, and is led away from the circle by ω² h/2 of its radius, which is no
+  // strain of the body. Of the beginning of the step alone, so that forces depend on velocities as
+  // ever.
   std::vector<Eigen::Vector3d> astray;
   for (int holder : part.holders) {
     const bool fixed = holder == BodyPart::kGround;
     const auto p = static_cast<std::size_t>(holder);
     const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
     const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
-    const Eigen::Vector3d to = fixed ? at : end[p].p_WP;
-    // Differences first, and none without a turn: the rounding of positions enters forces with
-    // the stiffness.
-    const Eigen::Vector3d turned = (turn.Q - Eigen::Matrix3d::Identity()) * (at - turn.about);
-    astray.push_back(turn.omega.isZero(0.0)
-                         ? Eigen::Vector3d::Zero().eval()
-                         : Eigen::Vector3d(((to - at) - turned) / carried.h_s - motion.v_WP));
+    const bool by_chord =
+        !fixed && (begin.port_chords.size() == 0 || begin.port_chords[holder] > 0.5);
+    astray.push_back(by_chord ? chord_lag(turn, at, carried.h_s) : Eigen::Vector3d::Zero().eval());
     rigid.p_WP += share * (turn.about + turn.half * (at - turn.about));
     rigid.v_WP += share * (motion.v_WP + astray.back());
     rigid.w_WP += share * motion.w_WP;
@@ -110,6 +130,7 @@ void MiddleCarry::take_mean(const Carried& carried, Eigen::VectorXd& f) const {
 void MiddleCarry::conclude(const State& begin, const Carried& carried, Made made,
                            State& after) const {
   after.port_motions = made.end;
+  after.port_chords = chords_of(carried.ports, made.end, carried.h_s);
   const double h = carried.h_s;
   Eigen::VectorXd x = made.x;
   if (model_.integrator->inertia()) {

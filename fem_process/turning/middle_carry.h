@@ -15,9 +15,9 @@ namespace tandem::fem {
 /// are: turning one of the two alone would feed whirling. e_k = p_k⁺ − (where the same rule takes
 /// the origin of port k): what the port's own integrator makes of the motion of its origin.
 ///
-/// y_ref is the rigid motion of the mean of the holders with the rates (p_k⁺ − …)/h at which their
-/// origins are led, less Σ_k φ_k e_k / h: a port on a circle has a chord for its step, and the
-/// difference, ω² h/2 of its radius, is no strain rate of the body.
+/// y_ref is the rigid motion of the mean of the holders with the velocities v_k + ε_k, less
+/// Σ_k φ_k ε_k, ε_k = ω × Q r_k − (Q − 1) r_k / h for ports that step by h v⁺ (State::port_chords):
+/// a tangent for the chord of a circle, which is no strain rate of the body.
 ///
 /// In steady turning, about any axis, y = V̄ everywhere: T f(x̃) = −M (v⁺ − v)/h is the centrifugal
 /// load of the mean acceleration sin(ωh/2)/(ωh/2) ω² r, and T takes the same part of f.

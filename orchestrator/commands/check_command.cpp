@@ -158,14 +158,49 @@ void add_new(std::vector<Finding> findings, std::vector<Finding>& found) {
 
 using WorldParams = std::map<std::string, mbs::Params>;
 
+/// What flexible bodies hold near each rigid one.
+struct HeldNear {
+  double mass_kg = 0.0;
+  double inertia_kg_m2 = 0.0;
+};
+using HeldMasses = std::map<std::string, HeldNear>;
+
+void add_held(const Model& part, const fem::FlexibleSide& side, HeldMasses& held) {
+  const std::vector<double>& masses = side.model().nodal_mass;
+  const std::vector<PortInfo>& ports = side.info().ports;
+  const double share_kg = std::accumulate(masses.begin(), masses.end(), 0.0) /
+                          static_cast<double>(std::max<std::size_t>(1, ports.size()));
+  const std::vector<scenario::PortParams> params = scenario::read_ports(part.scenario.root);
+  for (std::size_t i = 0; i < ports.size(); ++i) {
+    HeldNear& near = held[params[i].body];
+    near.mass_kg += share_kg;
+    near.inertia_kg_m2 += share_kg * ports[i].length_m * ports[i].length_m;
+  }
+}
+
+/// The params with junctions as bodies of what the flexible bodies hold there: that is what their
+/// springs move.
+mbs::Params with_held(mbs::Params params, const HeldMasses& held) {
+  for (mbs::BodyParams& body : params.bodies) {
+    const auto found = held.find(body.name);
+    if (!body.massless || found == held.end()) continue;
+    body.massless = false;
+    body.mass_kg = found->second.mass_kg;
+    body.inertia_kg_m2.fill(0.0);
+    std::fill_n(body.inertia_kg_m2.begin(), 3, found->second.inertia_kg_m2);
+  }
+  return params;
+}
+
 /// One of the flexible bodies, beside the worlds that carry it.
 std::string describe_body(const Model& part, const MotionSet& origins, const WorldParams& worlds,
-                          std::vector<Finding>& found) {
+                          std::vector<Finding>& found, HeldMasses& held) {
   const auto fem = fem::make_model(part.scenario.root, {});
   std::string text;
   const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get());
   if (body != nullptr) {
     text += describe(body->model(), origins);
+    add_held(part, *body, held);
     if (body->model().params.nodal && has_fine_steps(part.scenario.root.section("mbs"))) {
       text +=
           "  note: with mbs.micro_step_s or mbs.integrator: verlet, explicit_serial is unstable at "
@@ -215,16 +250,18 @@ std::string check_coupled(const ScenarioOptions& options) {
   text += table_of_sides(model);
   const MotionSet origins = make_mbs(model, {})->initialize(WrenchSet(model.port_names.size()));
   std::vector<Finding> found;
+  HeldMasses held;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     if (model.bodies.size() > 1) text += fmt::format("  '{}':\n", model.bodies[b].name);
-    text +=
-        describe_body(part_of(model, b), of_ports(origins, model.bodies[b].ports), worlds, found);
+    text += describe_body(part_of(model, b), of_ports(origins, model.bodies[b].ports), worlds,
+                          found, held);
   }
   text += lines_of(found);
   for (const std::string& note : notes_of(model.coupling)) text += "  warning: " + note + "\n";
   for (const scenario::MultibodyWorld& world : model.worlds) {
     const mbs::Params& params = worlds.at(world.name);
-    if (const auto warning = mbs::spring_warning(params)) text += "  warning: " + *warning + "\n";
+    if (const auto warning = mbs::spring_warning(with_held(params, held)))
+      text += "  warning: " + *warning + "\n";
     if (const auto warning = mbs::drift_warning(params, to_seconds(model.run.duration))) {
       text += "  warning: " + *warning + "\n";
     }

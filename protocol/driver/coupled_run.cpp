@@ -24,6 +24,8 @@ constexpr double kMostCreated = 100.0;
 /// A model at rest has nothing but round-off: its forces at motions far below this part of its
 /// size.
 constexpr double kStill = 1e-9;
+/// Of the energies of a run, what is round-off of a macro step at most.
+constexpr double kRoundOff = 1e-11;
 
 /// Times at which a run looks into the sides' books. Each is an exchange, which no step pays for.
 constexpr std::int64_t kLooks = 64;
@@ -126,6 +128,7 @@ class CoupledRun {
       controller_.emplace(params_.coupling, params_.run.macro_step, ports_, state_.motions);
     }
     observe(report_.energy_start, &report_.worlds_start, &report_.bodies_start);
+    book_range(report_.energy_start);
     wire::StepRecord step;
     if (params_.energy_every_steps > 0) step.energy = report_.energy_start;
     sink_.record({.step = step, .calls = journal_.take()});
@@ -227,7 +230,10 @@ class CoupledRun {
       stop(RunStatus::SolverFailed, located("a side failed") + end.message + remark());
       return;
     }
-    if (const auto divergence = monitor_.check(H, end)) {
+    const auto divergence = monitor_.check(H, end);
+    // In free fall the interface carries nothing but round-off, which may grow by any factor.
+    const double round_off_J = kRoundOff * report_.energy_range.largest_J();
+    if (divergence && divergence->defect_J > round_off_J) {
       stop(RunStatus::Diverged, located("diverged") + divergence->text + ". " +
                                     cause_of(*divergence, params_.coupling, params_.scheme_name));
       return;

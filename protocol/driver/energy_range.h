@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "protocol/contract/energy.h"
 
 namespace tandem {
@@ -20,6 +22,9 @@ struct EnergyRange {
   /// Books both sides' sum `now` of a run that began with `start`. `line`: the interface is a line
   /// that stores energy (tlm), its work is no loss.
   void book(const EnergyBook& start, const EnergyBook& now, bool line);
+
+  /// Of what was held, in motion, in strain and in height.
+  [[nodiscard]] double largest_J() const { return std::max(held_J, potential_change_J); }
 
   /// What the run began with and was given.
   [[nodiscard]] double given_J() const { return kinetic_start_J + released_J + external_work_J; }

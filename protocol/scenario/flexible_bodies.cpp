@@ -13,6 +13,7 @@ namespace {
 
 /// The number of the body that a port belongs to.
 std::size_t owner_of(const Node& port, const std::vector<std::string>& names) {
+  if (!port.has("flexible") && names.size() == 1) return 0;
   if (!port.has("flexible")) {
     port.fail("flexible", fmt::format("is missing. fem lists several bodies: name the port's, one "
                                       "of {}.",

@@ -69,7 +69,8 @@ std::optional<Divergence> DivergenceMonitor::check(SimTime H, const MacroStepEnd
           "macro steps, limit {:g} times; ‖r‖ = {:.3g} N, most of it at port '{}'",
           streak_first_defect_J_, sum_J, streak_, growth_, end.residual_N, port),
       .growth_per_step =
-          std::pow(residual_N / streak_first_residual_N_, 1.0 / static_cast<double>(streak_ - 1))};
+          std::pow(residual_N / streak_first_residual_N_, 1.0 / static_cast<double>(streak_ - 1)),
+      .defect_J = sum_J};
 }
 
 double ratio_of_growth(double growth_per_step, Prediction prediction) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ struct Divergence {
   std::string text;  ///< port and values
   /// Factor by which the residual has grown per macro step, |z|; 0: a value is not finite.
   double growth_per_step = 0.0;
+  /// What the interface has made in the macro step (J).
+  double defect_J = std::numeric_limits<double>::infinity();
 };
 
 /// The ratio κ of the flexible side's effective mass (with H² times its stiffness) to the rigid

@@ -16,7 +16,8 @@ const Section& worlds_table() {
     body.keys = {name("name").must()};
     Section mbs;
     mbs.title = "Multibody side";
-    mbs.keys = {name("name"), real("erp", "").by_default("0.2"), sections("bodies", body).must()};
+    mbs.keys = {name("name"), real("erp", "").by_default("0.2"), sections("bodies", body).must(),
+                sections("junctions", body)};
     Section root;
     root.title = "Scenario";
     root.keys = {ports_keys(), section("mbs", std::move(mbs)).must().or_several(),
