@@ -347,12 +347,12 @@ Key fem_keys() {
           .count(3)
           .by_default("[0, 0, 0]")
           .doc_is("Acceleration of gravity on the flexible body in world axes."),
-      scenario::names("fixed").by_default("[]").doc_is(
+      scenario::names("fixed").of_any_text().by_default("[]").doc_is(
           "Node sets held at their initial positions."),
       loads_key(),
       changes_key(),
       initial_velocity_key(),
-      scenario::names("watch").by_default("[]").doc_is(
+      scenario::names("watch").of_any_text().by_default("[]").doc_is(
           "Node sets whose mean motion is written to the results."),
       analysis_keys(),
   };
