@@ -348,12 +348,12 @@ Key fem_keys() {
           .by_default("[0, 0, 0]")
           .doc_is("Acceleration of gravity on the flexible body in world axes."),
       scenario::names("fixed").of_any_text().by_default("[]").doc_is(
-          "Node sets held at their initial positions."),
+          "Node sets held at their initial positions; any names that the mesh has."),
       loads_key(),
       changes_key(),
       initial_velocity_key(),
       scenario::names("watch").of_any_text().by_default("[]").doc_is(
-          "Node sets whose mean motion is written to the results."),
+          "Node sets whose mean motion is written to the results; any names that the mesh has."),
       analysis_keys(),
   };
   fem.check = [](const Node& node) {

@@ -7,6 +7,21 @@
 #include "fem_process/mesh/text_scanner.h"
 
 namespace tandem::fem {
+namespace {
+
+/// The set of that name, a new one if there is none. Abaqus compares names without case; they keep
+/// the spelling of their first mention.
+DeckScope::Set& set_of(std::map<std::string, DeckScope::Set>& sets, const std::string& name,
+                       int line) {
+  DeckScope::Set& set = sets[deck_key(name)];
+  if (set.line == 0) {
+    set.name = name;
+    set.line = line;
+  }
+  return set;
+}
+
+}  // namespace
 
 const std::string* parameter(const DeckLine& line, std::string_view key) {
   for (const DeckLine::Parameter& parameter : line.parameters) {

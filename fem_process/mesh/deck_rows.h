@@ -56,8 +56,6 @@ class DeckRows {
   void surface(const DeckLine& line);
   void system(const DeckLine& line);
 
-  DeckScope::Set& set_of(std::map<std::string, DeckScope::Set>& sets, const std::string& name,
-                         int line) const;
   [[nodiscard]] std::string row_is() const;
   [[nodiscard]] std::int64_t whole(const DeckLine& line, std::string_view field,
                                    const char* what) const;

@@ -103,7 +103,7 @@ TEST(FemDecks, InstancesAreMovedThenTurned) {
   EXPECT_EQ(find_set(mesh, {.name = "contact"}).triangles.size(), 1U);
   const std::string notes = notes_of(mesh);
   EXPECT_NE(notes.find("n of 'P-2' is 10 + n"), std::string::npos) << notes;
-  EXPECT_NE(notes.find("*TIE (line 39); what they connect stays apart"), std::string::npos)
+  EXPECT_NE(notes.find("*TIE (line 37); what they connect stays apart"), std::string::npos)
       << notes;
 }
 
@@ -246,8 +246,8 @@ TEST(FemDecks, OtherElementsArePassedOverAndTrianglesAreSurfaces) {
   EXPECT_EQ(find_set(mesh, {.name = "shell"}).triangles.size(), 1U);
   EXPECT_EQ(nodes_of(mesh, "Line1"), 2U);
   EXPECT_EQ(find_set(mesh, {.name = "beam"}).tets.size(), 1U);
-  EXPECT_NE(notes_of(mesh).find("1 T3D2 (line 6), 1 CPS3 (line 8, surfaces in their sets), 2 "
-                                "GAPUNI (line 12)"),
+  EXPECT_NE(notes_of(mesh).find("1 T3D2 (line 7), 1 CPS3 (line 9, surfaces in their sets), 2 "
+                                "GAPUNI (line 13)"),
             std::string::npos)
       << notes_of(mesh);
 }
