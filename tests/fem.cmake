@@ -1,9 +1,15 @@
 # Tests of fem, one executable a line.
 tandem_test(fem_unit
   SOURCES unit/fem/amplification.cpp unit/fem/body.cpp unit/fem/columns.cpp unit/fem/commands.cpp unit/fem/element.cpp unit/fem/formulations.cpp unit/fem/interface_jacobian.cpp unit/fem/keys.cpp
-    unit/fem/materials.cpp unit/fem/mesh.cpp unit/fem/micro_steps.cpp unit/fem/nearby_solver.cpp unit/fem/momentum.cpp unit/fem/quasi_static.cpp unit/fem/solvers.cpp unit/fem/tet10.cpp
-    unit/fem/tet10_mesh.cpp unit/fem/vtu.cpp unit/fem/tet10_lanes.cpp
+    unit/fem/materials.cpp unit/fem/micro_steps.cpp unit/fem/nearby_solver.cpp unit/fem/momentum.cpp unit/fem/quasi_static.cpp unit/fem/solvers.cpp unit/fem/tet10.cpp
+    unit/fem/vtu.cpp unit/fem/tet10_lanes.cpp
   LIBS fem LABELS unit)
+tandem_test(fem_mesh
+  SOURCES unit/fem/decks.cpp unit/fem/gmsh_formats.cpp unit/fem/mesh.cpp unit/fem/mesh_mutations.cpp
+    unit/fem/tet10_mesh.cpp
+  LIBS fem LABELS unit)
+# Several of these have meshes and helpers of the same names.
+set_target_properties(fem_mesh PROPERTIES UNITY_BUILD OFF)
 tandem_test(fem_ports SOURCES unit/fem/port_jacobian.cpp unit/fem/port_refusals.cpp unit/fem/port_relations.cpp unit/fem/ports.cpp LIBS fem LABELS unit)
 tandem_test(fem_energy SOURCES unit/fem/energy.cpp LIBS fem LABELS unit)
 tandem_test(fem_speed SOURCES unit/fem/multigrid.cpp unit/fem/speed.cpp LIBS fem LABELS unit)

@@ -347,13 +347,13 @@ Key fem_keys() {
           .count(3)
           .by_default("[0, 0, 0]")
           .doc_is("Acceleration of gravity on the flexible body in world axes."),
-      scenario::names("fixed").by_default("[]").doc_is(
-          "Node sets held at their initial positions."),
+      scenario::names("fixed").of_any_text().by_default("[]").doc_is(
+          "Node sets held at their initial positions; any names that the mesh has."),
       loads_key(),
       changes_key(),
       initial_velocity_key(),
-      scenario::names("watch").by_default("[]").doc_is(
-          "Node sets whose mean motion is written to the results."),
+      scenario::names("watch").of_any_text().by_default("[]").doc_is(
+          "Node sets whose mean motion is written to the results; any names that the mesh has."),
       analysis_keys(),
   };
   fem.check = [](const Node& node) {

@@ -14,9 +14,9 @@ Key mesh_key() {
   mesh.doc = "Which mesh, and where it stands: X_W = position + R(orientation) scale X_file.";
   mesh.keys = {
       scenario::path("file").must().doc_is(
-          "Mesh of tetrahedra of first or second order: Gmsh .msh (4.1 ASCII, physical groups are "
-          "the sets) or Abaqus .inp (*NODE, *ELEMENT TYPE=C3D4 or C3D10, *NSET, *ELSET, "
-          "*SURFACE)."),
+          "Mesh of tetrahedra of first or second order: Gmsh .msh (2 to 4.1, text or binary; "
+          "physical groups are the sets) or Abaqus .inp (also CalculiX, PrePoMax, FreeCAD, CGX; "
+          "flat or in parts and instances; *NSET, *ELSET and *SURFACE are the sets)."),
       scenario::integer("order").between(1, 2).doc_is(
           "Order of the tetrahedra. 2 puts a node in the middle of every edge of a "
           "first-order mesh, which takes away its false stiffness in bending; 1 demands a "
@@ -35,10 +35,9 @@ Key mesh_key() {
           .by_default("[1, 0, 0, 0]")
           .doc_is("Rotation from the mesh file's axes to world axes at t = 0 as a quaternion."),
       scenario::text("checksum")
-          .doc_is("Fingerprint of the mesh file (16 hexadecimal digits). A run writes it into its "
-                  "resolved "
-                  "scenario, so that a replay with another mesh is refused; no need to write it by "
-                  "hand."),
+          .doc_is("Fingerprint of the mesh file and of those that it includes (16 hexadecimal "
+                  "digits). A run writes it into its resolved scenario, so that a replay with "
+                  "another mesh is refused; no need to write it by hand."),
   };
   return scenario::section("mesh", std::move(mesh)).must().doc_is("The mesh and its placement.");
 }

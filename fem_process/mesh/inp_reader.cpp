@@ -1,388 +1,248 @@
-// The subset of Abaqus/CalculiX input that describes a mesh of tetrahedra.
+// Decks of Abaqus and CalculiX: nodes, tetrahedra, sets and surfaces, flat or in parts, instances
+// and an assembly [Abaqus Keywords Guide; CalculiX CrunchiX User's Manual].
 #include <algorithm>
-#include <cctype>
-#include <optional>
+#include <cmath>
+#include <initializer_list>
+#include <map>
+#include <numbers>
 #include <utility>
 
+#include "fem_process/mesh/deck.h"
+#include "fem_process/mesh/deck_keywords.h"
+#include "fem_process/mesh/deck_lexer.h"
+#include "fem_process/mesh/deck_notes.h"
+#include "fem_process/mesh/deck_rows.h"
 #include "fem_process/mesh/raw_mesh.h"
-#include "fem_process/mesh/tet10.h"
-#include "fem_process/mesh/text_scanner.h"
 
 namespace tandem::fem {
 namespace {
 
-/// Keywords that say nothing about the mesh: passed over, with a note. Everything else that is not
-/// read could change the mesh (*PART, *NGEN, *INCLUDE, *SYSTEM …) and is refused.
-constexpr std::string_view kPassedOver[] = {
-    "HEADING",  "PREPRINT",          "RESTART",        "MATERIAL",  "ELASTIC",  "DENSITY",
-    "DAMPING",  "EXPANSION",         "SOLID SECTION",  "STEP",      "END STEP", "STATIC",
-    "DYNAMIC",  "FREQUENCY",         "BOUNDARY",       "CLOAD",     "DLOAD",    "AMPLITUDE",
-    "OUTPUT",   "NODE OUTPUT",       "ELEMENT OUTPUT", "NODE FILE", "EL FILE",  "NODE PRINT",
-    "EL PRINT", "INITIAL CONDITIONS"};
-
-/// Corners of faces S1 … S4 of C3D4 and C3D10, each seen from outside.
-constexpr std::size_t kFaces[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
-
-std::string trimmed_upper(std::string_view text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) {
-    text.remove_prefix(1);
-  }
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) {
-    text.remove_suffix(1);
-  }
-  std::string result(text);
-  std::transform(result.begin(), result.end(), result.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return result;
-}
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> fields;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    std::string_view field = line.substr(0, comma);
-    while (!field.empty() && std::isspace(static_cast<unsigned char>(field.front()))) {
-      field.remove_prefix(1);
-    }
-    while (!field.empty() && std::isspace(static_cast<unsigned char>(field.back()))) {
-      field.remove_suffix(1);
-    }
-    fields.push_back(field);
-    if (comma == std::string_view::npos) break;
-    line.remove_prefix(comma + 1);
-  }
-  while (!fields.empty() && fields.back().empty()) fields.pop_back();
-  return fields;
-}
+/// Nodes and elements of all instances together: many instances of a part make more of a small
+/// file than memory holds.
+constexpr std::size_t kMostPlaced = 20'000'000;
 
 class InpReader {
  public:
-  explicit InpReader(const std::filesystem::path& file) : in_(file) { raw_.file = file; }
+  explicit InpReader(const std::filesystem::path& file) : in_(file), rows_(in_, deck_, notes_) {
+    raw_.file = file;
+  }
 
   RawMesh read() {
-    while (!in_.at_end()) {
-      line_ = in_.line();
-      const std::string_view line = in_.rest_of_line();
-      if (line.substr(0, 2) == "**") continue;
-      if (line.front() == '*') {
+    DeckLine line;
+    while (in_.next(line)) {
+      if (line.is_keyword) {
+        rows_.finish();
         keyword(line);
       } else {
-        data(split(line));
+        data(line);
       }
     }
-    finish_element();
-    resolve_surfaces();
-    publish_sets();
+    rows_.finish();
+    raw_.lines = in_.lines();
+    refuse_unknown();
+    require_closed();
+    place_parts_without_instances();
+    notes_.step(in_.step_line());
+    raw_.notes = notes_.lines(raw_.lines);
+    assemble(deck_, raw_);
     return std::move(raw_);
   }
 
  private:
-  enum class Mode { None, PassOver, Node, Element, Nset, Elset, Surface };
-  struct ElementSet {
-    std::vector<std::int64_t> elements;
-    int line = 0;
-    std::string name;
-  };
-  struct SurfaceRow {
-    std::string name, elements, face;
-    int line = 0;
-  };
+  enum class Rows { None, PassOver, Geometry, Placement };
 
-  [[noreturn]] void fail(const std::string& text) const { raw_.fail(line_, text); }
+  [[noreturn]] void fail(int line, const std::string& text) const { in_.fail(line, text); }
 
-  void keyword(std::string_view line) {
-    finish_element();
-    parameters_.clear();
-    std::vector<std::string_view> fields = split(line.substr(1));
-    const std::string name = fields.empty() ? "" : trimmed_upper(fields[0]);
-    for (std::size_t k = 1; k < fields.size(); ++k) {
-      const std::size_t equals = fields[k].find('=');
-      const std::string key = trimmed_upper(fields[k].substr(0, equals));
-      const std::vector<std::string_view> value =
-          split(equals == std::string_view::npos ? "" : fields[k].substr(equals + 1));
-      parameters_[key] = value.empty() ? "" : value.front();
-    }
-    generate_ = parameters_.count("GENERATE") > 0;
-    if (name == "NODE") {
-      mode_ = Mode::Node;
-      target_ = parameters_.count("NSET") > 0 ? needed("NSET") : "";
-      if (!target_.empty()) node_set(target_);
-    } else if (name == "ELEMENT") {
-      element_keyword();
-    } else if (name == "NSET") {
-      mode_ = Mode::Nset;
-      target_ = needed("NSET");
-      node_set(target_);
-    } else if (name == "ELSET") {
-      mode_ = Mode::Elset;
-      target_ = needed("ELSET");
-      element_set(target_);
-    } else if (name == "SURFACE") {
-      mode_ = Mode::Surface;
-      target_ = needed("NAME");
-      if (parameters_.count("TYPE") > 0 && trimmed_upper(parameters_["TYPE"]) != "ELEMENT") {
-        fail("*SURFACE, TYPE=" + parameters_["TYPE"] + " is not read. Write TYPE=ELEMENT.");
-      }
-    } else {
-      pass_over(name);
-    }
-  }
-
-  void pass_over(const std::string& name) {
-    if (std::find(std::begin(kPassedOver), std::end(kPassedOver), name) == std::end(kPassedOver)) {
-      fail("keyword *" + name + " is not read. Write a flat mesh with *NODE, *ELEMENT, *NSET, " +
-           "*ELSET and *SURFACE.");
-    }
-    mode_ = Mode::PassOver;
-    raw_.notes.push_back("line " + std::to_string(line_) + ": *" + name + " was passed over");
-  }
-
-  void element_keyword() {
-    const std::string type = trimmed_upper(needed("TYPE"));
-    if (type != "C3D4" && type != "C3D10") {
-      fail("element type " + type +
-           " is not read: only the tetrahedra C3D4 and C3D10 are. Mesh with one of them.");
-    }
-    nodes_ = type == "C3D4" ? 4 : 10;
-    mode_ = Mode::Element;
-    target_ = parameters_.count("ELSET") > 0 ? needed("ELSET") : "";
-    if (!target_.empty()) element_set(target_);
-  }
-
-  std::string needed(const std::string& key) {
-    const auto found = parameters_.find(key);
-    if (found == parameters_.end()) fail("the parameter " + key + "= is missing. Add it.");
-    if (found->second.empty()) {
-      fail("the parameter " + key + "= is empty. Write a name behind it.");
-    }
-    return found->second;
-  }
-
-  void data(const std::vector<std::string_view>& fields) {
-    switch (mode_) {
-      case Mode::None:
-        fail("data before the first keyword. Begin with *NODE.");
-      case Mode::PassOver:
+  void keyword(const DeckLine& line) {
+    mode_ = Rows::PassOver;
+    const DeckKeyword kind = kind_of_keyword(line.keyword);
+    switch (kind) {
+      case DeckKeyword::Node:
+      case DeckKeyword::Element:
+      case DeckKeyword::Nset:
+      case DeckKeyword::Elset:
+      case DeckKeyword::Surface:
+      case DeckKeyword::System:
+        mode_ = Rows::Geometry;
+        return rows_.begin(kind, line, *scope_);
+      case DeckKeyword::Part:
+        return begin_part(line);
+      case DeckKeyword::Instance:
+        return begin_instance(line);
+      case DeckKeyword::Assembly:
+        require_root(line);
+        in_assembly_ = line.line;
         return;
-      case Mode::Node:
-        return node(fields);
-      case Mode::Element:
-        return element(fields);
-      case Mode::Nset:
-      case Mode::Elset:
-        return members(fields);
-      case Mode::Surface:
-        if (fields.size() != 2) fail("a surface row is: element or element set, face S1 to S4.");
-        surfaces_.push_back({target_, std::string(fields[0]), trimmed_upper(fields[1]), line_});
+      case DeckKeyword::EndPart:
+      case DeckKeyword::EndInstance:
+      case DeckKeyword::EndAssembly:
+        return end(kind, line);
+      case DeckKeyword::ChangesMesh:
+        fail(line.line, "*" + line.keyword +
+                            " makes, moves or imports nodes or elements, which is not read. Write "
+                            "the mesh out as *NODE and *ELEMENT.");
+      case DeckKeyword::Unknown:
+        unknown_.emplace_back(line.keyword, line.line);
+        return;
+      default:
+        notes_.passed_over(line.keyword, line.line, kind == DeckKeyword::Connects);
     }
   }
 
-  std::int64_t whole(std::string_view field, const char* what) const {
-    std::int64_t value = 0;
-    if (!parse(field, value)) {
-      fail(in_quotes(field) + " where " + what + " should be. Write a whole number.");
+  void data(const DeckLine& line) {
+    switch (mode_) {
+      case Rows::None:
+        fail(line.line, "data before the first keyword. Begin with *NODE.");
+      case Rows::PassOver:
+        return;
+      case Rows::Geometry:
+        return rows_.row(line);
+      case Rows::Placement:
+        return placement(line);
     }
-    return value;
   }
 
-  void node(const std::vector<std::string_view>& fields) {
-    if (fields.size() != 4) fail("a node row is: number, x, y, z. The file may be truncated.");
-    const std::int64_t tag = whole(fields[0], "a node number");
-    Eigen::Vector3d position;
-    for (int k = 0; k < 3; ++k) {
-      if (!parse(fields[static_cast<std::size_t>(k) + 1], position(k))) {
-        fail(in_quotes(fields[static_cast<std::size_t>(k) + 1]) +
-             " where a coordinate should be. Write a finite number.");
+  // ---- parts, instances, assembly ------------------------------------------------------------
+
+  void require_root(const DeckLine& line) const {
+    if (scope_ == &deck_.root && in_assembly_ == 0) return;
+    fail(line.line, "*" + line.keyword + " within " +
+                        (scope_ == &deck_.root ? "*ASSEMBLY" : "'" + scope_->name + "'") +
+                        ", which does not end before. Write its *END line.");
+  }
+
+  std::string named(const DeckLine& line, const char* key,
+                    std::initializer_list<std::string_view> allowed) const {
+    allow(in_, line, allowed);
+    return needed(in_, line, key);
+  }
+
+  void begin_part(const DeckLine& line) {
+    require_root(line);
+    const std::string name = named(line, "NAME", {"NAME"});
+    const auto [part, is_new] = parts_.emplace(deck_key(name), DeckScope{});
+    if (!is_new) fail(line.line, "part '" + name + "' is defined twice. Rename one of them.");
+    scope_ = &part->second;
+    scope_->name = name;
+    open_ = {DeckKeyword::EndPart, line.line};
+  }
+
+  void begin_instance(const DeckLine& line) {
+    if (scope_ != &deck_.root) {
+      fail(line.line, "*INSTANCE within '" + scope_->name +
+                          "', which does not end before. Write its *END line.");
+    }
+    if (parameter(line, "LIBRARY") != nullptr || parameter(line, "INSTANCE") != nullptr) {
+      fail(line.line,
+           "*INSTANCE with LIBRARY or INSTANCE takes the part from results of another analysis, "
+           "which is not read. Write the part's mesh into the deck.");
+    }
+    const std::string name = named(line, "NAME", {"NAME", "PART"});
+    const std::string part = needed(in_, line, "PART");
+    const auto found = parts_.find(deck_key(part));
+    if (found == parts_.end()) {
+      fail(line.line, "part '" + part + "' is not defined before here. Correct PART=.");
+    }
+    for (const DeckScope& other : deck_.instances) {
+      if (deck_key(other.name) == deck_key(name)) {
+        fail(line.line, "instance '" + name + "' is defined twice. Rename one of them.");
       }
     }
-    raw_.add_node(tag, position, line_);
-    if (!target_.empty()) node_set(target_).nodes.insert(tag);
-  }
-
-  /// An element's numbers may go on over several lines.
-  void element(const std::vector<std::string_view>& fields) {
-    if (pending_.empty()) pending_line_ = line_;
-    for (std::string_view field : fields) pending_.push_back(whole(field, "a node number"));
-    if (pending_.size() > nodes_ + 1) fail(row_is() + "; here are more.");
-    if (pending_.size() < nodes_ + 1) return;
-    RawMesh::Tetrahedron tet{
-        .tag = pending_[0], .second_order = nodes_ == 10, .line = pending_line_};
-    std::copy_n(pending_.begin() + 1, 4, tet.nodes.begin());
-    if (tet.second_order) std::copy_n(pending_.begin() + 5, 6, tet.mids.begin());
-    raw_.add_tet(tet);
-    if (!target_.empty()) element_set(target_).elements.push_back(pending_[0]);
-    pending_.clear();
-  }
-
-  std::string row_is() const {
-    return "a C3D" + std::to_string(nodes_) + " row is: number and " + std::to_string(nodes_) +
-           " nodes";
-  }
-
-  void finish_element() const {
-    if (!pending_.empty()) {
-      raw_.fail(pending_line_, row_is() + "; here are " + std::to_string(pending_.size()) +
-                                   " numbers. The file may be truncated.");
+    placed_ += found->second.size() + 1;
+    if (placed_ > kMostPlaced) {
+      fail(line.line, "the instances up to here have more than " + std::to_string(kMostPlaced) +
+                          " nodes and elements. Mesh coarser.");
     }
+    scope_ = &deck_.instances.emplace_back(found->second);
+    scope_->name = name;
+    open_ = {DeckKeyword::EndInstance, line.line};
+    placement_rows_ = 0;
+    mode_ = Rows::Placement;
   }
 
-  void members(const std::vector<std::string_view>& fields) {
-    if (generate_) {
-      if (fields.size() != 2 && fields.size() != 3) fail("GENERATE rows are: first, last, step.");
-      const std::int64_t first = whole(fields[0], "the first number");
-      const std::int64_t last = whole(fields[1], "the last number");
-      const std::int64_t step = fields.size() == 3 ? whole(fields[2], "the step") : 1;
-      const auto most = static_cast<std::int64_t>(raw_.node_tags.size() + raw_.tets.size());
-      // From either end of the range of numbers to the other the difference itself is none.
-      std::int64_t span = 0;
-      if (step <= 0 || last < first || __builtin_sub_overflow(last, first, &span) ||
-          span / step > most) {
-        fail("GENERATE from " + std::to_string(first) + " to " + std::to_string(last) + " by " +
-             std::to_string(step) + " makes no sense for this mesh. Correct the row.");
+  /// The first row moves, the second turns the moved instance about the axis from a to b.
+  void placement(const DeckLine& line) {
+    const std::size_t most = placement_rows_ == 0 ? 3 : 7;
+    const std::vector<double> v = reals(in_, line, most);
+    const Eigen::Vector3d a(v[0], v[1], v[2]);
+    if (placement_rows_ == 0) {
+      scope_->placement = Eigen::Translation3d(a);
+    } else if (placement_rows_ == 1) {
+      const Eigen::Vector3d axis = Eigen::Vector3d(v[3], v[4], v[5]) - a;
+      if (!(axis.norm() > 0.0) || !std::isfinite(axis.norm()) || line.fields.size() != 7) {
+        fail(line.line, "a rotation row is: x, y, z of two points of the axis, angle in degrees.");
       }
-      for (std::int64_t k = 0; k <= span / step; ++k) add_member(first + k * step);
-      return;
-    }
-    for (std::string_view field : fields) {
-      std::int64_t tag = 0;
-      if (parse(field, tag)) {
-        add_member(tag);
-      } else {
-        add_set(std::string(field));
-      }
-    }
-  }
-
-  void add_member(std::int64_t tag) {
-    if (mode_ == Mode::Nset) {
-      node_set(target_).nodes.insert(tag);
+      const Eigen::AngleAxisd turn(v[6] * std::numbers::pi / 180.0, axis.normalized());
+      scope_->placement =
+          Eigen::Translation3d(a) * turn * Eigen::Translation3d(-a) * scope_->placement;
     } else {
-      element_set(target_).elements.push_back(tag);
+      fail(line.line, "*INSTANCE has two rows at most: translation and rotation.");
     }
+    ++placement_rows_;
   }
 
-  void add_set(const std::string& name) {
-    if (mode_ == Mode::Nset) {
-      const auto found = node_sets_.find(trimmed_upper(name));
-      if (found == node_sets_.end()) fail("node set '" + name + "' is not defined before here.");
-      const std::set<std::int64_t> nodes = found->second.second.nodes;
-      node_set(target_).nodes.insert(nodes.begin(), nodes.end());
-      return;
-    }
-    const auto found = element_sets_.find(trimmed_upper(name));
-    if (found == element_sets_.end())
-      fail("element set '" + name + "' is not defined before here.");
-    const std::vector<std::int64_t> elements = found->second.elements;
-    auto& target = element_set(target_).elements;
-    target.insert(target.end(), elements.begin(), elements.end());
+  void end(DeckKeyword kind, const DeckLine& line) {
+    const bool assembly = kind == DeckKeyword::EndAssembly;
+    const bool fits = assembly ? in_assembly_ != 0 && scope_ == &deck_.root : open_.first == kind;
+    if (!fits) fail(line.line, "*" + line.keyword + " without its beginning. Delete it.");
+    scope_ = &deck_.root;
+    rows_.reset_system();
+    if (assembly) in_assembly_ = 0;
+    open_ = {DeckKeyword::Unknown, 0};
   }
 
-  // Abaqus compares names without case; they keep the spelling of their first mention.
-  RawMesh::Set& node_set(const std::string& name) {
-    auto& [spelling, set] = node_sets_[trimmed_upper(name)];
-    if (set.line == 0) {
-      spelling = name;
-      set.line = line_;
-      set.node_list = true;
-    }
-    return set;
-  }
-  ElementSet& element_set(const std::string& name) {
-    ElementSet& set = element_sets_[trimmed_upper(name)];
-    if (set.line == 0) {
-      set.name = name;
-      set.line = line_;
-    }
-    return set;
+  void require_closed() const {
+    if (open_.second == 0 && in_assembly_ == 0) return;
+    fail(open_.second != 0 ? open_.second : in_assembly_,
+         "what begins here has no *END line. The file may be truncated.");
   }
 
-  const RawMesh::Tetrahedron& tet(std::int64_t tag, int line) const {
-    const auto found = raw_.tet_index.find(tag);
-    if (found == raw_.tet_index.end()) {
-      raw_.fail(line, "element " + std::to_string(tag) + " is not defined. Correct the set.");
-    }
-    return raw_.tets[static_cast<std::size_t>(found->second)];
+  /// A deck that has parts alone: each where it is.
+  void place_parts_without_instances() {
+    if (!deck_.instances.empty()) return;
+    for (auto& [key, part] : parts_) deck_.instances.push_back(std::move(part));
   }
 
-  void resolve_surfaces() {
-    for (const SurfaceRow& row : surfaces_) {
-      if (row.face.size() != 2 || row.face[0] != 'S' || row.face[1] < '1' || row.face[1] > '4') {
-        raw_.fail(row.line, "face '" + row.face + "' is not one of S1, S2, S3, S4.");
-      }
-      std::vector<std::int64_t> elements;
-      std::int64_t single = 0;
-      if (parse(row.elements, single)) {
-        elements.push_back(single);
-      } else {
-        const auto found = element_sets_.find(trimmed_upper(row.elements));
-        if (found == element_sets_.end()) {
-          raw_.fail(row.line, "element set '" + row.elements + "' is not defined.");
-        }
-        elements = found->second.elements;
-      }
-      RawMesh::Set& surface = raw_.sets[row.name];
-      if (surface.line == 0) surface.line = row.line;
-      for (std::int64_t tag : elements) {
-        const RawMesh::Triangle triangle = face(tet(tag, row.line), row.face[1] - '1');
-        surface.triangles.push_back(triangle);
-        surface.nodes.insert(triangle.nodes.begin(), triangle.nodes.end());
-        if (!triangle.second_order) continue;
-        surface.nodes.insert(triangle.mids.begin(), triangle.mids.end());
-      }
+  void refuse_unknown() const {
+    if (unknown_.empty()) return;
+    std::string others;
+    for (std::size_t k = 1; k < unknown_.size() && k < 6; ++k) {
+      others += (k == 1 ? " So are: *" : ", *") + unknown_[k].first + " (" +
+                raw_.lines.named(unknown_[k].second) + ")";
     }
+    fail(unknown_.front().second,
+         "*" + unknown_.front().first + " is no known keyword of Abaqus or CalculiX." +
+             keyword_meant(unknown_.front().first) +
+             " If it leaves nodes, elements and sets alone, delete it with its rows." + others +
+             (others.empty() ? "" : "."));
   }
 
-  static RawMesh::Triangle face(const RawMesh::Tetrahedron& tet, int number) {
-    const auto& corner = kFaces[number];
-    RawMesh::Triangle triangle{.second_order = tet.second_order};
-    for (std::size_t k = 0; k < 3; ++k) {
-      triangle.nodes[k] = tet.nodes[corner[k]];
-      triangle.mids[k] = tet.mids[edge_between(corner[k], corner[(k + 1) % 3])];
-    }
-    return triangle;
-  }
-
-  /// One name may be a node set, a surface and an element set at once: its nodes are those of the
-  /// node set, else of the surface.
-  void publish_sets() {
-    for (const auto& [key, named] : node_sets_) {
-      RawMesh::Set& set = raw_.sets[named.first];
-      set.nodes = named.second.nodes;
-      set.node_list = true;
-      set.line = named.second.line;
-    }
-    for (const auto& [key, elements] : element_sets_) {
-      const bool named_before = raw_.sets.count(elements.name) > 0;
-      RawMesh::Set& set = raw_.sets[elements.name];
-      if (!named_before) set.line = elements.line;
-      set.tets_apart = named_before;
-      for (std::int64_t tag : elements.elements) {
-        const RawMesh::Tetrahedron& element = tet(tag, elements.line);
-        set.tets.push_back(tag);
-        if (named_before) continue;
-        set.nodes.insert(element.nodes.begin(), element.nodes.end());
-        if (element.second_order) set.nodes.insert(element.mids.begin(), element.mids.end());
-      }
-    }
-  }
-
-  TextScanner in_;
+  DeckLexer in_;
+  Deck deck_;
+  DeckNotes notes_;
+  DeckRows rows_;
   RawMesh raw_;
-  int line_ = 0;
-  Mode mode_ = Mode::None;
-  bool generate_ = false;
-  std::string target_;
-  std::map<std::string, std::string> parameters_;
-  std::vector<std::int64_t> pending_;
-  int pending_line_ = 0;
-  std::size_t nodes_ = 4;  ///< of an element of the present block
-  std::map<std::string, std::pair<std::string, RawMesh::Set>> node_sets_;
-  std::map<std::string, ElementSet> element_sets_;
-  std::vector<SurfaceRow> surfaces_;
+  std::map<std::string, DeckScope> parts_;
+  DeckScope* scope_ = &deck_.root;
+  Rows mode_ = Rows::None;
+  std::pair<DeckKeyword, int> open_{DeckKeyword::Unknown, 0};  ///< awaited end of part or instance
+  int in_assembly_ = 0;                                        ///< the line that began it
+  int placement_rows_ = 0;
+  std::size_t placed_ = 0;
+  std::vector<std::pair<std::string, int>> unknown_;
 };
 
 }  // namespace
 
 RawMesh read_inp(const std::filesystem::path& file) { return InpReader(file).read(); }
+
+std::vector<std::filesystem::path> included_files(const std::filesystem::path& file) {
+  DeckLexer in(file);
+  DeckLine line;
+  while (in.next(line)) {
+    if (line.is_keyword) include_input(in, line);
+  }
+  return in.included();
+}
 
 }  // namespace tandem::fem

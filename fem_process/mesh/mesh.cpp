@@ -11,6 +11,7 @@
 #include <iomanip>
 #include <iterator>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "fem_process/mesh/raw_mesh.h"
@@ -69,24 +70,24 @@ std::vector<int> number_used_nodes(const RawMesh& raw) {
   return number;
 }
 
-void check_volume(const TetMesh& mesh, const RawMesh::Tetrahedron& tet, const Tet& corners) {
+void check_volume(const RawMesh& raw, const TetMesh& mesh, const RawMesh::Tetrahedron& tet,
+                  const Tet& corners) {
   const double volume = signed_volume(mesh, corners);
   const double edge = longest_edge(mesh, corners);
   if (volume > kFlat * edge * edge * edge) return;
   throw Error(ErrorKind::Usage,
-              mesh.file.string() + ":" + std::to_string(tet.line) + ": element " +
-                  std::to_string(tet.tag) + " has " + (volume < 0.0 ? "negative" : "no") +
-                  " volume (" + fmt::format("{:.3g}", volume) +
+              raw.lines.where(tet.line) + ": element " + std::to_string(tet.tag) + " has " +
+                  (volume < 0.0 ? "negative" : "no") + " volume (" + fmt::format("{:.3g}", volume) +
                   " m³). Its corners are numbered inside out or lie in a plane: mesh again.");
 }
 
 /// Refuses an element that is folded where it is integrated, or whose mid nodes are those of
 /// another program's order. A fold at a node alone, as coarse curved edges have it, is noted.
-void check_mid_nodes(TetMesh& mesh, const RawMesh::Tetrahedron& tet) {
+void check_mid_nodes(const RawMesh& raw, TetMesh& mesh, const RawMesh::Tetrahedron& tet) {
   Eigen::Matrix<double, 10, 3> X = tet10_positions(mesh, mesh.tets.size() - 1);
   const SmallestJacobian jacobian = smallest_jacobian(X);
   const std::string element = "element " + std::to_string(tet.tag);
-  const std::string where = mesh.file.string() + ":" + std::to_string(tet.line) + ": " + element;
+  const std::string where = raw.lines.where(tet.line) + ": " + element;
   if (jacobian.at_points > 0.0 && jacobian.at_nodes > -kQuarterPoint) return;
   X.row(8).swap(X.row(9));
   require(smallest_jacobian(X).at_nodes <= 0.0,
@@ -98,7 +99,7 @@ void check_mid_nodes(TetMesh& mesh, const RawMesh::Tetrahedron& tet) {
               " of that of its corners. Its mid nodes are in another order or too far off their "
               "edges: mesh again, or use straight edges (fem.mesh.order: 2 on a first-order "
               "mesh).");
-  mesh.notes.push_back("line " + std::to_string(tet.line) + ": " + element +
+  mesh.notes.push_back(raw.lines.named(tet.line) + ": " + element +
                        " is folded at a node, not at its integration points: its curved edges are "
                        "coarse");
 }
@@ -113,7 +114,7 @@ NodeSet place_set(const RawMesh& raw, const RawMesh::Set& set, const std::vector
     return number[static_cast<std::size_t>(found->second)];
   };
   NodeSet placed;
-  placed.line = set.line;
+  placed.where = raw.lines.where(set.line);
   for (std::int64_t tag : set.nodes) {
     if (const int node = index(tag); node >= 0) placed.nodes.push_back(node);
   }
@@ -152,9 +153,9 @@ void refuse_doubled_tets(const RawMesh& raw) {
   if (found == corners.end()) return;
   const RawMesh::Tetrahedron& first = raw.tets[found->second];
   const RawMesh::Tetrahedron& second = raw.tets[std::next(found)->second];
-  raw.fail(second.line, fmt::format("element {} has the same corners as element {} (line {}): "
+  raw.fail(second.line, fmt::format("element {} has the same corners as element {} ({}): "
                                     "stiffness and mass would count twice. Delete one of them.",
-                                    second.tag, first.tag, first.line));
+                                    second.tag, first.tag, raw.lines.named(first.line)));
 }
 
 bool is_abaqus(const std::filesystem::path& file) {
@@ -166,6 +167,24 @@ std::string how_to_name_sets(const std::filesystem::path& file) {
              ? "Name nodes with *NSET, NSET=NAME and elements with *ELSET, ELSET=NAME."
              : "In Gmsh write Physical Surface(\"NAME\") = {…}; for every set and Physical "
                "Volume(\"body\") = {…}; for the part, and save with Mesh.SaveAll = 0.";
+}
+
+bool add_file(const std::filesystem::path& file, StateHash& hash) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return false;
+  std::array<char, 1 << 16> buffer;
+  while (stream.read(buffer.data(), buffer.size()), stream.gcount() > 0) {
+    const auto bytes = static_cast<std::size_t>(stream.gcount());
+    for (std::size_t at = 0; at < bytes; at += sizeof(std::uint64_t)) {
+      std::uint64_t word = 0;
+      std::memcpy(&word, buffer.data() + at, std::min(sizeof word, bytes - at));
+      hash.add(word);
+    }
+    hash.add(static_cast<std::uint64_t>(bytes));
+  }
+  return true;
 }
 
 TetMesh place(const RawMesh& raw, const MeshParams& params) {
@@ -193,13 +212,13 @@ TetMesh place(const RawMesh& raw, const MeshParams& params) {
     };
     Tet corners{};
     for (std::size_t k = 0; k < 4; ++k) corners[k] = index(tet.nodes[k]);
-    check_volume(mesh, tet, corners);
+    check_volume(raw, mesh, tet, corners);
     mesh.tets.push_back(corners);
     mesh.element_tags.push_back(tet.tag);
     if (!tet.second_order) continue;
     TetMids& mids = mesh.mids.emplace_back();
     for (std::size_t k = 0; k < 6; ++k) mids[k] = index(tet.mids[k]);
-    check_mid_nodes(mesh, tet);
+    check_mid_nodes(raw, mesh, tet);
   }
   for (const auto& [name, set] : raw.sets) mesh.sets.emplace(name, place_set(raw, set, number));
   return mesh;
@@ -214,7 +233,7 @@ std::vector<std::string> names_of(const std::vector<SetName>& sets) {
 }
 
 void RawMesh::fail(int line, const std::string& text) const {
-  throw Error(ErrorKind::Usage, file.string() + ":" + std::to_string(line) + ": " + text);
+  throw Error(ErrorKind::Usage, lines.where(line) + ": " + text);
 }
 
 void RawMesh::add_node(std::int64_t tag, const Eigen::Vector3d& position, int line) {
@@ -245,18 +264,16 @@ std::vector<int> TetMesh::element(std::size_t e) const {
 }
 
 std::string mesh_checksum(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return {};
   StateHash hash;
-  std::array<char, 1 << 16> buffer;
-  while (stream.read(buffer.data(), buffer.size()), stream.gcount() > 0) {
-    const auto bytes = static_cast<std::size_t>(stream.gcount());
-    for (std::size_t at = 0; at < bytes; at += sizeof(std::uint64_t)) {
-      std::uint64_t word = 0;
-      std::memcpy(&word, buffer.data() + at, std::min(sizeof word, bytes - at));
-      hash.add(word);
+  if (!add_file(file, hash)) return {};
+  try {
+    if (is_abaqus(file)) {
+      for (const std::filesystem::path& included : included_files(file)) {
+        if (!add_file(included, hash)) return {};
+      }
     }
-    hash.add(static_cast<std::uint64_t>(bytes));
+  } catch (const Error&) {
+    return {};
   }
   std::ostringstream text;
   text << std::hex << std::setw(16) << std::setfill('0') << hash.value();
@@ -270,7 +287,7 @@ TetMesh read_mesh(const MeshParams& params) {
   const std::string extension = lower(params.file.extension().string());
   require(extension == ".msh" || extension == ".inp",
           params.file.string() + ": unknown kind of mesh file '" + extension +
-              "'. Give a Gmsh .msh (4.1 ASCII) or an Abaqus .inp.");
+              "'. Give a Gmsh .msh or an Abaqus .inp.");
   // A file that cannot be read has no checksum; its reader says why.
   const std::string checksum = mesh_checksum(params.file);
   require(params.checksum.empty() || checksum.empty() || params.checksum == checksum,
@@ -307,8 +324,7 @@ const NodeSet& find_set(const TetMesh& mesh, const SetName& name) {
                                       " It has: " + list + ".");
   }
   require(!found->second.nodes.empty(),
-          where + "node set '" + name.name + "' (" + mesh.file.string() + ":" +
-              std::to_string(found->second.line) +
+          where + "node set '" + name.name + "' (" + found->second.where +
               ") has no node on a tetrahedron. Assign geometry of the meshed volume to it.");
   return found->second;
 }

@@ -30,7 +30,7 @@ struct NodeSet {
   std::vector<Triangle> triangles;      ///< when the set is a surface: corners
   std::vector<Triangle> triangle_mids;  ///< second order: nodes on their edges 01, 12, 20
   std::vector<int> tets;                ///< when the set is a volume: ascending, each once
-  int line = 0;                         ///< where the mesh file defines it
+  std::string where;                    ///< "file:line" that defines it
 };
 
 /// Tetrahedra of first or second order with named node sets, in metres and world axes W. Every node
@@ -73,11 +73,11 @@ struct SetName {
 };
 [[nodiscard]] std::vector<std::string> names_of(const std::vector<SetName>& sets);
 
-/// Fingerprint of a mesh file's bytes (FNV-1a, 16 hexadecimal digits); empty when it cannot be
-/// read, which reading the mesh tells better.
+/// Fingerprint of the bytes of a mesh file and of those that it includes (FNV-1a, 16 hexadecimal
+/// digits); empty when one cannot be read, which reading the mesh tells better.
 [[nodiscard]] std::string mesh_checksum(const std::filesystem::path& file);
 
-/// Reads a Gmsh .msh (4.1 ASCII) or an Abaqus .inp, by extension, and places it; order 2 raises
+/// Reads a Gmsh .msh (2 to 4.1) or an Abaqus .inp, by extension, and places it; order 2 raises
 /// first-order tets by raise_to_second_order(). Throws a Usage error "file:line: what. Remedy.".
 [[nodiscard]] TetMesh read_mesh(const MeshParams& params);
 

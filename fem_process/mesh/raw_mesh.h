@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "fem_process/mesh/mesh.h"
+#include "fem_process/mesh/source_lines.h"
 
 namespace tandem::fem {
 
-/// A mesh as the file has it: by tags, not scaled, with nodes that no tet uses.
+/// A mesh as the file has it: by tags, not scaled, with nodes that no tet uses. Lines are numbers
+/// of `lines`.
 struct RawMesh {
   struct Tetrahedron {
     std::int64_t tag = 0;
@@ -38,6 +40,7 @@ struct RawMesh {
     int line = 0;
   };
   std::filesystem::path file;
+  SourceLines lines;
   std::vector<std::int64_t> node_tags;
   std::vector<Eigen::Vector3d> node_positions;
   std::unordered_map<std::int64_t, int> node_index;  ///< looked up only, never iterated
@@ -55,6 +58,10 @@ struct RawMesh {
 
 [[nodiscard]] RawMesh read_msh(const std::filesystem::path& file);
 [[nodiscard]] RawMesh read_inp(const std::filesystem::path& file);
+
+/// The files that an Abaqus deck includes before its first step, in their order. Throws as
+/// read_inp() does where one is missing.
+[[nodiscard]] std::vector<std::filesystem::path> included_files(const std::filesystem::path& file);
 
 /// Puts a node in the middle of every edge: first-order tets and triangles become straight ones of
 /// second order. The new nodes are numbered on from the largest tag, in the order of the tets and

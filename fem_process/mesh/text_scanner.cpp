@@ -1,10 +1,12 @@
 #include "fem_process/mesh/text_scanner.h"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <system_error>
 
 #include "protocol/contract/error.h"
 
@@ -34,12 +36,17 @@ std::string in_quotes(std::string_view text) {
   return quoted;
 }
 
-TextScanner::TextScanner(const std::filesystem::path& file) : file_(file) {
-  std::ifstream in(file, std::ios::binary);
-  require(in.good() && std::filesystem::is_regular_file(file),
-          file.string() + ": cannot be read. Check the path in fem.mesh.file.");
-  text_.assign(std::istreambuf_iterator<char>(in), {});
+std::string read_whole(const std::filesystem::path& file, const std::string& remedy) {
+  std::error_code ignored;
+  std::ifstream in;
+  // Opening a pipe would wait for its writer.
+  if (std::filesystem::is_regular_file(file, ignored)) in.open(file, std::ios::binary);
+  require(in.is_open() && in.good(), file.string() + ": cannot be read. " + remedy);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
+
+TextScanner::TextScanner(const std::filesystem::path& file)
+    : file_(file), text_(read_whole(file, "Check the path in fem.mesh.file.")) {}
 
 void TextScanner::fail(const std::string& text) const {
   throw Error(ErrorKind::Usage, file_.string() + ":" + std::to_string(line_) + ": " + text);
@@ -104,6 +111,25 @@ std::string_view TextScanner::rest_of_line() {
   }
   while (!found.empty() && is_space(found.back())) found.remove_suffix(1);
   return found;
+}
+
+std::string_view TextScanner::bytes(std::string_view what, std::size_t size) {
+  if (size > bytes_left()) {
+    fail("the file ends within " + std::string(what) + ". It is truncated: write it again.");
+  }
+  at_ += size;
+  return std::string_view(text_).substr(at_ - size, size);
+}
+
+void TextScanner::skip_to(std::string_view word) {
+  const std::size_t found = text_.find(word, at_);
+  if (found == std::string::npos) {
+    fail("the file ends where " + std::string(word) +
+         " should be. It is truncated: write it again.");
+  }
+  line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
+                                       text_.begin() + static_cast<std::ptrdiff_t>(found), '\n'));
+  at_ = found;
 }
 
 std::string TextScanner::quoted(std::string_view what) {

@@ -28,6 +28,11 @@ class TextScanner {
   std::size_t count(std::string_view what, std::size_t bytes_each);
   /// The rest of the line, without its end.
   std::string_view rest_of_line();
+  /// The next `size` bytes as they are, the present place being the first. Lines are not counted
+  /// in them.
+  std::string_view bytes(std::string_view what, std::size_t size);
+  /// Passes over everything before the next `word`.
+  void skip_to(std::string_view word);
   /// A word in double quotes; may contain spaces.
   std::string quoted(std::string_view what);
 
@@ -41,6 +46,9 @@ class TextScanner {
   std::size_t at_ = 0;
   int line_ = 1;
 };
+
+/// The bytes of a regular file. Throws a Usage error with the remedy when it cannot be read.
+[[nodiscard]] std::string read_whole(const std::filesystem::path& file, const std::string& remedy);
 
 /// 'text' in single quotes, for errors.
 [[nodiscard]] std::string in_quotes(std::string_view text);

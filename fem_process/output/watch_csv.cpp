@@ -10,6 +10,19 @@
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
+namespace {
+
+/// A column's name, in double quotes where a set's name would break the row [RFC 4180].
+std::string column_name(const std::string& set, const char* column) {
+  std::string name = fmt::format("{}.{}", set, column);
+  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
+  for (std::size_t at = 0; (at = name.find('"', at)) != std::string::npos; at += 2) {
+    name.insert(at, 1, '"');
+  }
+  return '"' + name + '"';
+}
+
+}  // namespace
 
 WatchCsv::WatchCsv(std::filesystem::path file, std::vector<std::string> node_sets)
     : file_(std::move(file)), node_sets_(std::move(node_sets)), stream_(file_) {
@@ -17,7 +30,7 @@ WatchCsv::WatchCsv(std::filesystem::path file, std::vector<std::string> node_set
   for (const std::string& set : node_sets_) {
     for (const char* column : {"p_x_m", "p_y_m", "p_z_m", "u_x_m", "u_y_m", "u_z_m", "v_x_m_per_s",
                                "v_y_m_per_s", "v_z_m_per_s"}) {
-      fmt::format_to(std::back_inserter(header), ",{}.{}", set, column);
+      header += ',' + column_name(set, column);
     }
   }
   stream_ << header << '\n';

@@ -5,6 +5,7 @@
 
 #include "orchestrator/warnings/body_warnings.h"
 #include "orchestrator/warnings/material_warnings.h"
+#include "orchestrator/warnings/set_warnings.h"
 #include "orchestrator/warnings/setup_warnings.h"
 #include "orchestrator/warnings/stability_warnings.h"
 
@@ -27,6 +28,7 @@ std::vector<Finding> warnings_of(const scenario::Node& root, const fem::Model& b
   add(implausible_densities(root, body), all);
   add(implausible_moduli(root, body), all);
   add(coarse_in_bending(root, body), all);
+  add(corner_nodes_only(body), all);
   add(unstable_newmark(root, body), all);
   return all;
 }

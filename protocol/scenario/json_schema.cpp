@@ -91,7 +91,7 @@ Json type_schema(const Key& key) {
     case Type::Reals:
       return array_of(real, key);
     case Type::Names:
-      return array_of(name, key);
+      return array_of(key.any_text ? Json{{"type", "string"}, {"minLength", 1}} : name, key);
     case Type::Section:
       if (!key.or_list) return object_schema(*key.section);
       return {{"anyOf", Json::array({object_schema(*key.section), list_schema(key)})}};

@@ -72,6 +72,11 @@ Key& Key::of_unit_length() {
   return *this;
 }
 
+Key& Key::of_any_text() {
+  any_text = true;
+  return *this;
+}
+
 Key& Key::or_several() {
   or_list = true;
   return *this;

@@ -47,6 +47,7 @@ struct Key {
   std::vector<std::string> choices;
   std::shared_ptr<const Section> section;
   bool unit_length = false;  ///< Reals: Euclidean norm is 1 within 1e-3
+  bool any_text = false;     ///< Names: of another file, which has its own rules for them
   bool or_list = false;      ///< Section: a list of such mappings, each with a `name`, as well
 
   /// The key belongs to some values of a sibling Choice only (`begin_s` to `kind: ramp`): elsewhere
@@ -67,6 +68,7 @@ struct Key {
   Key& count(std::size_t low, std::size_t high);
   Key& at_least_count(std::size_t low);
   Key& of_unit_length();  ///< Reals: a direction or a quaternion
+  Key& of_any_text();     ///< Names: any text that is not empty
   Key& or_several();      ///< Section: a list of named ones may stand in its place
   Key& only_when(std::string key, std::vector<std::string> values);
 };

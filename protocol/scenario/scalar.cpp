@@ -160,6 +160,12 @@ Parsed<std::string> parse_name(const YamlValue& yaml) {
                           yaml.text)};
 }
 
+Parsed<std::string> parse_any_name(const YamlValue& yaml) {
+  if (yaml.kind != Kind::Scalar) return {"", wrong_kind(yaml, "a name")};
+  if (yaml.text.empty()) return {"", "is empty. Give a name."};
+  return {yaml.text, ""};
+}
+
 Parsed<std::string> parse_choice(const YamlValue& yaml, const Key& key) {
   if (yaml.kind != Kind::Scalar) return {"", wrong_kind(yaml, type_text(key))};
   if (std::ranges::find(key.choices, yaml.text) != key.choices.end()) return {yaml.text, ""};

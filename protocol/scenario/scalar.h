@@ -22,6 +22,8 @@ struct Parsed {
 [[nodiscard]] Parsed<bool> parse_boolean(const YamlValue& yaml);
 [[nodiscard]] Parsed<std::string> parse_text(const YamlValue& yaml, const Key& key);
 [[nodiscard]] Parsed<std::string> parse_name(const YamlValue& yaml);
+/// Not empty; any characters.
+[[nodiscard]] Parsed<std::string> parse_any_name(const YamlValue& yaml);
 [[nodiscard]] Parsed<std::string> parse_choice(const YamlValue& yaml, const Key& key);
 
 /// "is a list. It must be a number.": a value of the wrong kind.

@@ -178,8 +178,9 @@ class Validator {
         return scalars<double>(yaml, key, path,
                                [&](const YamlValue& item) { return parse_real(item, key); });
       case Type::Names:
-        return scalars<std::string>(yaml, key, path,
-                                    [&](const YamlValue& item) { return parse_name(item); });
+        return scalars<std::string>(yaml, key, path, [&](const YamlValue& item) {
+          return key.any_text ? parse_any_name(item) : parse_name(item);
+        });
       case Type::Section: {
         if (key.or_list && yaml.kind == Kind::List) return mappings(yaml, key, path);
         Validated inner = mapping(yaml, key.section, path);

@@ -127,10 +127,11 @@ std::vector<Fault> mesh_faults() {
   missing.scenario = [](const std::string& s) { return replaced(s, "bar.msh", "baar.msh"); };
   return {
       missing,
-      in_mesh("binary_mesh", R"(bar.msh:2: )", {"binary", "gmsh", "-bin 0"},
+      in_mesh("binary_head_on_text", R"(bar.msh:3: )", {"byte order", "write it again"},
               [](const std::string& m) { return replaced(m, "4.1 0 8", "4.1 1 8"); }),
-      in_mesh("mesh_of_version_2", R"(bar.msh:2: )", {"version 2.2", "4.1 is", "-format msh41"},
-              [](const std::string& m) { return replaced(m, "4.1 0 8", "2.2 0 8"); }),
+      in_mesh("mesh_of_version_3", R"(bar.msh:2: )",
+              {"version 3", "2 to 4.1 are", "gmsh bar.msh -save -format msh41 -o bar_41.msh"},
+              [](const std::string& m) { return replaced(m, "4.1 0 8", "3 0 8"); }),
       in_mesh("truncated_mesh", R"(bar.msh:\d+: )", {"truncated", "write it again"},
               [](const std::string& m) { return m.substr(0, m.size() / 2); }),
       in_mesh("mesh_cut_in_its_head", R"(bar.msh:\d+: )", {"truncated"},
