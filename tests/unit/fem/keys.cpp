@@ -42,6 +42,16 @@ TEST(FemKeys, DefaultsAreThoseOfTheParameterStructs) {
   EXPECT_EQ(pcg.integrator.hht_alpha, expected.integrator.hht_alpha);
 }
 
+TEST(FemKeys, FixedAndWatchTakeAnyNameOfAMesh) {
+  const Params p = read("  fixed: [\"Set-1\", Internal-1_slave]\n  watch: [\"PART 1.top\"]\n");
+  ASSERT_EQ(p.fixed.size(), 2U);
+  EXPECT_EQ(p.fixed[0].name, "Set-1");
+  EXPECT_EQ(p.fixed[1].name, "Internal-1_slave");
+  ASSERT_EQ(p.watch.size(), 1U);
+  EXPECT_EQ(p.watch[0].name, "PART 1.top");
+  EXPECT_THROW(read("  fixed: [\"\"]\n"), Error);
+}
+
 TEST(FemKeys, EveryKeyArrives) {
   const Params p = read(
       "  mass: lumped\n  damping: {alpha_per_s: 1, beta_s: 0.002}\n"

@@ -13,6 +13,7 @@
 #include "fem_process/sides/make_model.h"
 #include "mbs_process/make_side.h"
 #include "orchestrator/warnings/body_warnings.h"
+#include "orchestrator/warnings/set_warnings.h"
 #include "orchestrator/warnings/stability_warnings.h"
 #include "orchestrator/warnings/warnings.h"
 
@@ -184,6 +185,22 @@ TEST(CheckWarnings, FirstOrderTetrahedraInBending) {
                 "Set fem.mesh.order: 2"});
   EXPECT_EQ(text_of(name, "two_masses", {{"fem.mesh.order", "2"}}), "");
   EXPECT_EQ(text_of(name, "lug", {}), "") << "is not slender";
+}
+
+TEST(CheckWarnings, SetsOfCornersAloneOnSecondOrderMeshes) {
+  const auto findings = [](const std::string& set) {
+    fem::Params params;
+    params.mesh.file = TANDEM_SOURCE_DIR "/tests/data/fem/corner_nodes.inp";
+    params.micro_step = SimTime(1'000'000);
+    params.fixed = {{.name = set, .place = {"bar.yaml", 5, 11}}};
+    return corner_nodes_only(fem::Model(params));
+  };
+  ASSERT_EQ(findings("corners").size(), 1U);
+  // The four sides of the end and the diagonal between its two triangles.
+  expect_words(findings("corners")[0].text,
+               {"bar.yaml:5:11: set 'corners'", "corner_nodes.inp:84", "4 corner nodes",
+                "none of the 5 mid nodes", "Name a *SURFACE"});
+  EXPECT_TRUE(findings("face").empty());
 }
 
 // The rotor reaches 100 rad/s.
