@@ -20,7 +20,7 @@ constexpr double kFewestCheckedSteps = 20.0;
 /// Macro steps of a trial in those of its run with the step: that one, and half the step.
 constexpr double kRuns = 3.0;
 /// Part of the wall time that is left which one trial may take, and the choice of a solver.
-constexpr double kTrialPart = 0.5;
+constexpr double kHalfOfRest = 0.5;
 constexpr double kSolverPart = 0.15;
 
 class Check {
@@ -68,7 +68,7 @@ class Check {
     Contender& contender = contenders_[i];
     const std::filesystem::path folder = options_.folder / std::to_string(number);
     choose_solver(i, folder);
-    const double allowed_s = kTrialPart * std::max(0.0, end_s_ - now_s());
+    const double allowed_s = kHalfOfRest * std::max(0.0, end_s_ - now_s());
     const double step_s = contender.prospect.step_s;
     const double asked = std::max(1.0, std::round(options_.length_s / step_s));
     const double affordable =
