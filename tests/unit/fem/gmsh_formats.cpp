@@ -118,7 +118,8 @@ void expect_one_tet(const std::string& name, const std::string& text) {
 TEST(FemGmshFormats, AllVersionsAndByteOrdersAreOneMesh) {
   for (const bool swapped : {false, true}) {
     for (const bool binary : {false, true}) {
-      const std::string kind = (binary ? "b" : "a") + std::string(swapped ? "s" : "n") + ".msh";
+      std::string kind = binary ? "b" : "a";
+      kind += swapped ? "s.msh" : "n.msh";
       expect_one_tet("two" + kind, version_2(binary, swapped));
       expect_one_tet("four" + kind, version_4(false, binary, swapped));
       expect_one_tet("four_one" + kind, version_4(true, binary, swapped));
