@@ -9,6 +9,7 @@
 #include "fem_process/ports/macro_step_wrench.h"
 #include "fem_process/transient/step_energy.h"
 #include "fem_process/turning/elastic_turn.h"
+#include "fem_process/turning/middle_carry.h"
 #include "protocol/contract/error.h"
 
 namespace tandem::fem {
@@ -146,8 +147,18 @@ StepResult<WrenchSet> FlexibleBody::advance(const StepRequest<MotionSet>& reques
 
 void FlexibleBody::checkpoint() {
   make_scheduled_changes();
+  note_chords();
   saved_ = state_;
   if (observer_) observer_(state_);
+}
+
+/// Over micro steps ports are led along the curve that joins the ends: those are no chords.
+void FlexibleBody::note_chords() {
+  const SimTime H = state_.time - saved_.time;
+  if (H <= SimTime{} || saved_.port_motions.size() != state_.port_motions.size()) return;
+  const bool one_step = info_.micro_step == SimTime{} || info_.micro_step == H;
+  state_.port_chords = port_chords(saved_.port_motions, state_.port_motions, to_seconds(H));
+  if (!one_step) state_.port_chords.setZero();
 }
 
 void FlexibleBody::rollback() {

@@ -64,6 +64,7 @@ class FlexibleBody final : public FlexibleSide {
   void hold(const std::vector<std::string>& sets);
   void check_changes();
   void make_scheduled_changes();
+  void note_chords();
   void check_request(const StepRequest<MotionSet>& request) const;
   [[nodiscard]] SimTime micro_step_of(SimTime macro_step) const;
 

@@ -55,17 +55,7 @@ MotionSet MiddleCarry::seen(const Carried& carried, const MotionSet& end) const 
   return motions;
 }
 
-namespace {
-
-/// ω × Q r − (Q − 1) r / h, r from the centre of the turn to `at` (m/s).
-Eigen::Vector3d chord_lag(const Carried::Turn& turn, const Eigen::Vector3d& at, double h_s) {
-  const Eigen::Vector3d r = at - turn.about;
-  const Eigen::Vector3d chord = (turn.Q - Eigen::Matrix3d::Identity()) * r;
-  return turn.omega.cross(Eigen::Vector3d(turn.Q * r)) - chord / h_s;
-}
-
-/// State::port_chords of the step from `begin` to `end`.
-Eigen::VectorXd chords_of(const MotionSet& begin, const MotionSet& end, double h_s) {
+Eigen::VectorXd port_chords(const MotionSet& begin, const MotionSet& end, double h_s) {
   Eigen::VectorXd chords(static_cast<Eigen::Index>(end.size()));
   for (std::size_t p = 0; p < end.size(); ++p) {
     const Eigen::Vector3d way = end[p].p_WP - begin[p].p_WP;
@@ -74,6 +64,15 @@ Eigen::VectorXd chords_of(const MotionSet& begin, const MotionSet& end, double h
     chords[static_cast<Eigen::Index>(p)] = by_end ? 1.0 : 0.0;
   }
   return chords;
+}
+
+namespace {
+
+/// ω × Q r − (Q − 1) r / h, r from the centre of the turn to `at` (m/s).
+Eigen::Vector3d chord_lag(const Carried::Turn& turn, const Eigen::Vector3d& at, double h_s) {
+  const Eigen::Vector3d r = at - turn.about;
+  const Eigen::Vector3d chord = (turn.Q - Eigen::Matrix3d::Identity()) * r;
+  return turn.omega.cross(Eigen::Vector3d(turn.Q * r)) - chord / h_s;
 }
 
 }  // namespace
@@ -130,7 +129,6 @@ void MiddleCarry::take_mean(const Carried& carried, Eigen::VectorXd& f) const {
 void MiddleCarry::conclude(const State& begin, const Carried& carried, Made made,
                            State& after) const {
   after.port_motions = made.end;
-  after.port_chords = chords_of(carried.ports, made.end, carried.h_s);
   const double h = carried.h_s;
   Eigen::VectorXd x = made.x;
   if (model_.integrator->inertia()) {

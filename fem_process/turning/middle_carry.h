@@ -46,4 +46,8 @@ class MiddleCarry final : public Carry {
   [[nodiscard]] Motion seen_ground(const Carried::Turn& turn, const Eigen::Vector3d& at) const;
 };
 
+/// State::port_chords of a macro step: from ports at its ends, so that nothing within the step
+/// depends on it.
+[[nodiscard]] Eigen::VectorXd port_chords(const MotionSet& begin, const MotionSet& end, double H_s);
+
 }  // namespace tandem::fem
