@@ -94,8 +94,7 @@ void MiddleCarry::refer(std::size_t s, const State& begin, const Carried& carrie
     const auto p = static_cast<std::size_t>(holder);
     const Eigen::Vector3d at = fixed ? ground(part, begin.x) : carried.ports[p].p_WP;
     const Motion motion = fixed ? seen_ground(turn, at) : ports[p];
-    const bool by_chord =
-        !fixed && (begin.port_chords.size() == 0 || begin.port_chords[holder] > 0.5);
+    const bool by_chord = !fixed && begin.port_chords.size() > 0 && begin.port_chords[holder] > 0.5;
     astray.push_back(by_chord ? chord_lag(turn, at, carried.h_s) : Eigen::Vector3d::Zero().eval());
     rigid.p_WP += share * (turn.about + turn.half * (at - turn.about));
     rigid.v_WP += share * (motion.v_WP + astray.back());
