@@ -359,17 +359,17 @@ std::optional<std::size_t> port_at(const Params& params, const BodyParams& junct
 
 std::optional<Defect> bad_junction(const BodyParams& body, const Params& params) {
   if (!body.massless) return std::nullopt;
-  if (params.micro_step && *params.micro_step != params.macro_step) {
-    return Defect{"name",
-                  "junctions and mbs.micro_step_s do not go together: what has no mass is balanced "
-                  "over macro steps alone. Leave the micro step out and shorten "
-                  "run.macro_step_s."};
-  }
   const std::string ports = ports_on(body, params);
   if (ports.empty()) {
     return Defect{"name",
                   "no port is on it, and without mass nothing says how it moves. Name it as the "
                   "body of a port, or remove it."};
+  }
+  if (params.micro_step && *params.micro_step != params.macro_step) {
+    return Defect{"name",
+                  "junctions and mbs.micro_step_s do not go together: what has no mass is balanced "
+                  "over macro steps alone. Leave the micro step out and shorten "
+                  "run.macro_step_s."};
   }
   if (port_at(params, body)) return std::nullopt;
   return Defect{"position_m",

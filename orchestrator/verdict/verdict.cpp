@@ -104,7 +104,8 @@ void judge_steps(const RunBooks& books, std::vector<Cause>& causes) {
                       .remedy = said.empty() ? "lower " + step_key(books) + "." : said});
   }
   // In free fall the wrench is round-off, and so is all that is left of it.
-  const bool carries = books.still_J > kCarried * std::max(books.held_J, books.potential_change_J);
+  const bool carries = !(books.still_J > 0.0) ||
+                       books.still_J > kCarried * std::max(books.held_J, books.potential_change_J);
   if (books.not_converged_steps == 0 && carries && exceeds(books.residual_part, books.accuracy)) {
     causes.push_back(
         {.name = "residual",
