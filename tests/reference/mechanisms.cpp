@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <map>
 #include <numbers>
 
+#include "tests/support/columns.h"
 #include "tests/support/tandem_process.h"
 
 // The examples with several flexible bodies against closed forms and a published figure.
@@ -13,25 +13,6 @@ namespace tandem::test {
 namespace {
 
 constexpr double kGravity = 9.81;
-
-/// The columns of a table of the run folder.
-using Columns = std::map<std::string, std::vector<double>>;
-
-Columns read_columns(const std::filesystem::path& file) {
-  std::istringstream text(read_file(file));
-  std::string line, cell;
-  std::vector<std::string> names;
-  std::getline(text, line);
-  for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell);
-  Columns columns;
-  while (std::getline(text, line)) {
-    std::istringstream row(line);
-    for (std::size_t i = 0; i < names.size() && std::getline(row, cell, ','); ++i) {
-      columns[names[i]].push_back(std::stod(cell));
-    }
-  }
-  return columns;
-}
 
 /// Runs an example in one process to `duration_s`, which it has to reach.
 Columns columns_of(const std::string& example, double duration_s, const std::string& table,
