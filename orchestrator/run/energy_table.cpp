@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
 
 namespace tandem::orchestrator {
@@ -45,10 +44,9 @@ void EnergyTable::write(const wire::StepRecord& step) {
       fmt::format("{},{}", step.macro_step, to_seconds(step.time)) + columns(begin_.mbs, now.mbs) +
       columns(begin_.fem, now.fem) +
       fmt::format(",{},{}", balance_error_J(begin_.sum(), now.sum()), step.energy_defect_J);
-  // A log of before they were observed one by one has none.
-  const std::size_t known = std::min({parts_.size(), now.parts.size(), begin_.parts.size()});
-  for (std::size_t i = 0; i < known; ++i) row += columns(begin_.parts[i], now.parts[i]);
-  row.append(8 * (parts_.size() - known), ',');
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    row += columns(begin_.parts.at(i), now.parts.at(i));
+  }
   file_->write(row + "\n");
 }
 
