@@ -154,6 +154,7 @@ void FlexibleBody::checkpoint() {
 
 /// Over micro steps ports are led along the curve that joins the ends: those are no chords.
 void FlexibleBody::note_chords() {
+  if (model_.integrator->keeps_history()) return;
   const SimTime H = state_.time - saved_.time;
   if (H <= SimTime{} || saved_.port_motions.size() != state_.port_motions.size()) return;
   const bool one_step = info_.micro_step == SimTime{} || info_.micro_step == H;
