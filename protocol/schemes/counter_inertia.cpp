@@ -3,17 +3,12 @@
 #include <algorithm>
 
 #include "protocol/contract/hash.h"
+#include "protocol/schemes/prediction.h"
 
 namespace tandem {
 namespace {
 
 using Vector6 = Eigen::Vector<double, 6>;
-
-Vector6 twist(const Motion& motion) {
-  Vector6 V;
-  V << motion.v_WP, motion.w_WP;
-  return V;
-}
 
 Vector6 inertia_of(const StandInInertia& inertia) {
   Vector6 m;
@@ -62,6 +57,7 @@ void CounterInertia::add(const StepRequest<MotionSet>& request, StepResult<Wrenc
   if (result.outcome == Outcome::Failed) return;
   const double H_s = to_seconds(request.step);
   result.own = result.output;
+  const Eigen::VectorXd change = twists(request.input.end) - twists(request.input.begin);
   const Eigen::VectorXd moved = difference(request.input.begin, request.input.end);
   for (std::size_t j = 0; j < junctions_.size(); ++j) {
     const auto& [port, inertia] = junctions_[j];
@@ -69,7 +65,7 @@ void CounterInertia::add(const StepRequest<MotionSet>& request, StepResult<Wrenc
     const Vector6 m = inertia_of(inertia);
     Vector6& a = state_.acceleration[j];
     Vector6& w = state_.wrench[j];
-    const Vector6 mean = (twist(request.input.end[port]) - twist(request.input.begin[port])) / H_s;
+    const Vector6 mean = change.segment<6>(6 * static_cast<Eigen::Index>(port)) / H_s;
     const Vector6 before = w;
     const Vector6 end = (mean - (1.0 - gamma) * a) / gamma;
     w = (m.cwiseProduct((1.0 - alpha_m) * end + alpha_m * a) - alpha_f * w) / (1.0 - alpha_f);
