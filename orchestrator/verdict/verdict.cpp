@@ -9,10 +9,6 @@
 namespace tandem::orchestrator {
 namespace {
 
-/// Part of the energies held up to which `still` says that the wrenches are round-off: 1e-9 for
-/// those, of which `still` is 1e-9.
-constexpr double kCarried = 1e-18;
-
 using Limits = VerdictLimits;
 
 /// Nothing is no part of nothing; what is no number is no small part either.
@@ -103,10 +99,7 @@ void judge_steps(const RunBooks& books, std::vector<Cause>& causes) {
                                           books.not_converged_steps, books.macro_steps),
                       .remedy = said.empty() ? "lower " + step_key(books) + "." : said});
   }
-  // In free fall the wrench is round-off, and so is all that is left of it.
-  const bool carries = !(books.still_J > 0.0) ||
-                       books.still_J > kCarried * std::max(books.held_J, books.potential_change_J);
-  if (books.not_converged_steps == 0 && carries && exceeds(books.residual_part, books.accuracy)) {
+  if (books.not_converged_steps == 0 && exceeds(books.residual_part, books.accuracy)) {
     causes.push_back(
         {.name = "residual",
          .value = books.residual_part,

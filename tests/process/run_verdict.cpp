@@ -66,6 +66,17 @@ TEST(RunVerdict, NamesTheLossOfTheReducedPendulum) {
   EXPECT_TRUE(judged("pendulum_beam", {}, second).causes().empty());
 }
 
+// Nothing but round-off goes over the interface, and grows by any factor: no divergence.
+TEST(RunVerdict, TakesFreeFallForNoDivergence) {
+  const TemporaryFolder folder;
+  const Ended ended =
+      run_command({kTandem, "run",
+                   std::string(TANDEM_SOURCE_DIR) + "/tests/data/coupled/systems/free_fall.yaml",
+                   "--transport", "inproc", "--quiet", "--out", (folder / "run").string()});
+  EXPECT_EQ(ended.code, 0) << ended.output;
+  EXPECT_EQ(summary_of(folder / "run").at("status"), "done");
+}
+
 // At 8 ms the crank's pin misses its circle by h² w² r / (2 erp): 5.7 mm of 100 mm.
 TEST(RunVerdict, NamesJointsThatComeApart) {
   const TemporaryFolder first;
