@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "protocol/wire/event_log.h"
 #include "tests/support/chain_of_links.h"
+#include "tests/support/columns.h"
 #include "tests/support/tandem_process.h"
 
 // Several flexible bodies, each in a process of its own: the bits of one process on every
@@ -78,6 +78,29 @@ TEST(RunJunctions, AreReplayedSideBySide) {
         tandem_command({"replay", (chain.folder / "run").string(), "--side", side});
     EXPECT_EQ(replay.code, 0) << side << ": " << replay.output;
   }
+}
+
+// What stands in, and springs, are held against what the flexible bodies hold there: 0.15 kg.
+TEST(RunJunctions, AreCheckedAgainstTheFlexibleBodies) {
+  const Chain chain(2, "junctions");
+  const auto checked = [&](const std::vector<std::string>& sets) {
+    std::vector<std::string> arguments{"check", chain.scenario.string()};
+    for (const std::string& set : sets) arguments.insert(arguments.end(), {"--set", set});
+    const Ended ended = tandem_command(arguments);
+    EXPECT_EQ(ended.code, 0) << ended.output;
+    return ended.output;
+  };
+  const std::string sound = checked({"mbs.integrator=verlet"});
+  EXPECT_EQ(sound.find("stands in with"), std::string::npos) << sound;
+  EXPECT_EQ(sound.find("too stiff or too damped"), std::string::npos) << sound;
+  const std::string heavy =
+      checked({"mbs.integrator=verlet", "mbs.junctions.tip1.stand_in_mass_kg=1000"});
+  EXPECT_NE(heavy.find("mbs.junctions.tip1.stand_in_mass_kg: stands in with 1e+03 kg"),
+            std::string::npos)
+      << heavy;
+  const std::string stiff =
+      checked({"mbs.joint_springs=[{name: coil, joint: hinge2, stiffness_Nm_per_rad: 1e5}]"});
+  EXPECT_NE(stiff.find("spring 'coil' is too stiff or too damped"), std::string::npos) << stiff;
 }
 
 TEST(RunJunctions, AreRefusedByNameWhereNothingIterates) {
@@ -215,24 +238,6 @@ TEST(RunBodiesBooks, AreThoseOfEachBody) {
   EXPECT_NEAR(interface_J, all_J, 1e-12 * std::abs(all_J)) << "a sum of two numbers";
 }
 
-/// Columns of a table of numbers, by name.
-std::map<std::string, std::vector<double>> columns_of(const std::filesystem::path& file) {
-  std::istringstream text(read_file(file));
-  std::string line, cell;
-  std::vector<std::string> names;
-  std::getline(text, line);
-  for (std::istringstream head(line); std::getline(head, cell, ',');) names.push_back(cell);
-  std::map<std::string, std::vector<double>> columns;
-  while (std::getline(text, line)) {
-    std::istringstream row(line);
-    for (const std::string& name : names) {
-      std::getline(row, cell, ',');
-      columns[name].push_back(std::stod(cell));
-    }
-  }
-  return columns;
-}
-
 // energy.csv has the book of each body behind those of the sides, on every transport the same.
 TEST(RunBodiesBooks, AreInTheTableOfEnergiesAtEveryStep) {
   const Chain chain(3);
@@ -241,7 +246,7 @@ TEST(RunBodiesBooks, AreInTheTableOfEnergiesAtEveryStep) {
   (void)chain.run("here", {"--transport", "inproc", "--set", "output.energy_every_steps=1"});
   EXPECT_EQ(read_file(chain.folder / "lcm/energy.csv"),
             read_file(chain.folder / "here/energy.csv"));
-  auto columns = columns_of(chain.folder / "lcm/energy.csv");
+  const Columns columns = read_columns(chain.folder / "lcm/energy.csv");
   for (const char* entry : {"kinetic_J", "elastic_J", "potential_J", "interface_work_J"}) {
     const std::vector<double>& all = columns.at(std::string("fem.") + entry);
     ASSERT_EQ(all.size(), 21U);

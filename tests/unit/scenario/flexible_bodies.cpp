@@ -46,6 +46,14 @@ TEST(FlexibleBodies, OneMappingHasAllPorts) {
   EXPECT_EQ(bodies[0].root.section("fem").real("young_Pa"), 3.0);
 }
 
+TEST(FlexibleBodies, PortsOfAListOfOneNeedNotNameIt) {
+  const Loaded loaded =
+      load_text(ports_of({"", "arm"}) + "fem: [{name: arm, young_Pa: 3}]\n", bodies_table());
+  const std::vector<FlexibleBody> bodies = flexible_bodies(loaded.root);
+  ASSERT_EQ(bodies.size(), 1U);
+  EXPECT_EQ(bodies[0].ports, (std::vector<std::size_t>{0, 1}));
+}
+
 TEST(FlexibleBodies, EachOfAListReadsItsOwnPartOfTheScenario) {
   const Loaded loaded = load_text(ports_of({"arm", "rod", "arm"}) + kBodies, bodies_table());
   const std::vector<FlexibleBody> bodies = flexible_bodies(loaded.root);
