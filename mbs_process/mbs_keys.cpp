@@ -10,6 +10,27 @@ namespace {
 using scenario::Key;
 using scenario::Section;
 
+/// Pose and velocities at t = 0; `origin`: what the position is of.
+void add_motion_keys(const std::string& origin, std::vector<Key>& keys) {
+  keys.push_back(scenario::reals("position_m", "m")
+                     .count(3)
+                     .by_default("[0, 0, 0]")
+                     .doc_is(origin + " at t = 0 in world axes."));
+  keys.push_back(scenario::reals("orientation_wxyz", "")
+                     .count(4)
+                     .of_unit_length()
+                     .by_default("[1, 0, 0, 0]")
+                     .doc_is("Rotation of its axes at t = 0 as a quaternion [w, x, y, z]."));
+  keys.push_back(scenario::reals("velocity_m_per_s", "m/s")
+                     .count(3)
+                     .by_default("[0, 0, 0]")
+                     .doc_is("Velocity of that point at t = 0."));
+  keys.push_back(scenario::reals("angular_velocity_rad_per_s", "rad/s")
+                     .count(3)
+                     .by_default("[0, 0, 0]")
+                     .doc_is("Angular velocity at t = 0 in world axes."));
+}
+
 Key bodies_key() {
   Section body;
   body.title = "Body";
@@ -22,24 +43,8 @@ Key bodies_key() {
           .count(3, 6)
           .doc_is("Inertia tensor about the centre of mass in the body's axes: [Ixx, Iyy, Izz] or "
                   "[Ixx, Iyy, Izz, Ixy, Ixz, Iyz], where Ixy is the tensor's element −∫ x y dm."),
-      scenario::reals("position_m", "m")
-          .count(3)
-          .by_default("[0, 0, 0]")
-          .doc_is("Centre of mass at t = 0 in world axes."),
-      scenario::reals("orientation_wxyz", "")
-          .count(4)
-          .of_unit_length()
-          .by_default("[1, 0, 0, 0]")
-          .doc_is("Rotation of the body's axes at t = 0 as a quaternion [w, x, y, z]."),
-      scenario::reals("velocity_m_per_s", "m/s")
-          .count(3)
-          .by_default("[0, 0, 0]")
-          .doc_is("Velocity of the centre of mass at t = 0."),
-      scenario::reals("angular_velocity_rad_per_s", "rad/s")
-          .count(3)
-          .by_default("[0, 0, 0]")
-          .doc_is("Angular velocity at t = 0 in world axes."),
   };
+  add_motion_keys("Centre of mass", body.keys);
   return scenario::sections("bodies", std::move(body))
       .at_least_count(1)
       .doc_is("Rigid bodies. May be left out where there are junctions.");
@@ -57,23 +62,6 @@ Key junctions_key() {
   junction.keys = {
       scenario::name("name").must().doc_is("Name that joints, springs, forces and ports refer to, "
                                            "as to a body's."),
-      scenario::reals("position_m", "m")
-          .count(3)
-          .by_default("[0, 0, 0]")
-          .doc_is("Origin at t = 0 in world axes: that of one of its ports."),
-      scenario::reals("orientation_wxyz", "")
-          .count(4)
-          .of_unit_length()
-          .by_default("[1, 0, 0, 0]")
-          .doc_is("Rotation of its axes at t = 0 as a quaternion [w, x, y, z]."),
-      scenario::reals("velocity_m_per_s", "m/s")
-          .count(3)
-          .by_default("[0, 0, 0]")
-          .doc_is("Velocity of the origin at t = 0."),
-      scenario::reals("angular_velocity_rad_per_s", "rad/s")
-          .count(3)
-          .by_default("[0, 0, 0]")
-          .doc_is("Angular velocity at t = 0 in world axes."),
       scenario::real("stand_in_mass_kg", "kg")
           .above(0)
           .by_default("1")
@@ -84,6 +72,7 @@ Key junctions_key() {
           .by_default("0.01")
           .doc_is("Inertia that stands in, about all axes."),
   };
+  add_motion_keys("Origin, that of one of its ports,", junction.keys);
   return scenario::sections("junctions", std::move(junction))
       .doc_is("Massless frames that join flexible bodies without a rigid one.");
 }

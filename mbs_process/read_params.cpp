@@ -33,6 +33,13 @@ JointKind joint_kind(const std::string& text) {
   return JointKind::Hinge2;
 }
 
+void read_motion(const Node& node, BodyParams& body) {
+  body.p_WB = node.vector3("position_m");
+  body.q_WB = node.quaternion_wxyz("orientation_wxyz");
+  body.v_WB = node.vector3("velocity_m_per_s");
+  body.w_WB = node.vector3("angular_velocity_rad_per_s");
+}
+
 BodyParams read_body(const Node& node) {
   BodyParams body;
   body.name = node.text("name");
@@ -44,10 +51,7 @@ BodyParams read_body(const Node& node) {
   }
   body.inertia_kg_m2.fill(0.0);
   std::copy(inertia.begin(), inertia.end(), body.inertia_kg_m2.begin());
-  body.p_WB = node.vector3("position_m");
-  body.q_WB = node.quaternion_wxyz("orientation_wxyz");
-  body.v_WB = node.vector3("velocity_m_per_s");
-  body.w_WB = node.vector3("angular_velocity_rad_per_s");
+  read_motion(node, body);
   return body;
 }
 
@@ -58,10 +62,7 @@ BodyParams read_junction(const Node& node) {
   junction.mass_kg = node.real("stand_in_mass_kg");
   const double inertia = node.real("stand_in_inertia_kg_m2");
   junction.inertia_kg_m2 = {inertia, inertia, inertia, 0.0, 0.0, 0.0};
-  junction.p_WB = node.vector3("position_m");
-  junction.q_WB = node.quaternion_wxyz("orientation_wxyz");
-  junction.v_WB = node.vector3("velocity_m_per_s");
-  junction.w_WB = node.vector3("angular_velocity_rad_per_s");
+  read_motion(node, junction);
   return junction;
 }
 
