@@ -27,6 +27,7 @@
 #include "orchestrator/scenario/nodal_scenario.h"
 #include "orchestrator/scenario/scenario_options.h"
 #include "orchestrator/scenario/scenario_table.h"
+#include "orchestrator/warnings/junction_warnings.h"
 #include "orchestrator/warnings/material_warnings.h"
 #include "orchestrator/warnings/warnings.h"
 #include "protocol/contract/error.h"
@@ -158,40 +159,6 @@ void add_new(std::vector<Finding> findings, std::vector<Finding>& found) {
 
 using WorldParams = std::map<std::string, mbs::Params>;
 
-/// What flexible bodies hold near each rigid one.
-struct HeldNear {
-  double mass_kg = 0.0;
-  double inertia_kg_m2 = 0.0;
-};
-using HeldMasses = std::map<std::string, HeldNear>;
-
-void add_held(const Model& part, const fem::FlexibleSide& side, HeldMasses& held) {
-  const std::vector<double>& masses = side.model().nodal_mass;
-  const std::vector<PortInfo>& ports = side.info().ports;
-  const double share_kg = std::accumulate(masses.begin(), masses.end(), 0.0) /
-                          static_cast<double>(std::max<std::size_t>(1, ports.size()));
-  const std::vector<scenario::PortParams> params = scenario::read_ports(part.scenario.root);
-  for (std::size_t i = 0; i < ports.size(); ++i) {
-    HeldNear& near = held[params[i].body];
-    near.mass_kg += share_kg;
-    near.inertia_kg_m2 += share_kg * ports[i].length_m * ports[i].length_m;
-  }
-}
-
-/// The params with junctions as bodies of what the flexible bodies hold there: that is what their
-/// springs move.
-mbs::Params with_held(mbs::Params params, const HeldMasses& held) {
-  for (mbs::BodyParams& body : params.bodies) {
-    const auto found = held.find(body.name);
-    if (!body.massless || found == held.end()) continue;
-    body.massless = false;
-    body.mass_kg = found->second.mass_kg;
-    body.inertia_kg_m2.fill(0.0);
-    std::fill_n(body.inertia_kg_m2.begin(), 3, found->second.inertia_kg_m2);
-  }
-  return params;
-}
-
 /// One of the flexible bodies, beside the worlds that carry it.
 std::string describe_body(const Model& part, const MotionSet& origins, const WorldParams& worlds,
                           std::vector<Finding>& found, HeldMasses& held) {
@@ -200,7 +167,7 @@ std::string describe_body(const Model& part, const MotionSet& origins, const Wor
   const auto* body = dynamic_cast<const fem::FlexibleSide*>(fem.get());
   if (body != nullptr) {
     text += describe(body->model(), origins);
-    add_held(part, *body, held);
+    add_held(part.scenario.root, body->model(), held);
     if (body->model().params.nodal && has_fine_steps(part.scenario.root.section("mbs"))) {
       text +=
           "  note: with mbs.micro_step_s or mbs.integrator: verlet, explicit_serial is unstable at "

@@ -2,9 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <numeric>
-
 #include "mbs_process/motor_rate.h"
 #include "orchestrator/verdict/run_books.h"
 
@@ -100,34 +97,6 @@ std::optional<Finding> turn_per_step(const Model& model, const mbs::Params& para
                   "{:.2g} or less ({:g} rad).",
                   found.what, found.rate_rad_per_s, turn_rad,
                   H_s * VerdictLimits::kTurn_rad / turn_rad, VerdictLimits::kTurn_rad));
-}
-
-std::vector<Finding> unlike_stand_in(const Model& model, const mbs::Params& params,
-                                     const fem::Model& body) {
-  std::vector<Finding> findings;
-  const bool matters = params.integrator != mbs::IntegratorKind::Euler ||
-                       model.coupling.scheme == SchemeKind::Implicit;
-  const scenario::Node mbs = model.scenario.root.section("mbs");
-  if (!matters || !mbs.has("junctions")) return findings;
-  constexpr double kUnlike = 100.0;
-  const double mass_kg = std::accumulate(body.nodal_mass.begin(), body.nodal_mass.end(), 0.0);
-  const double share_kg = mass_kg / static_cast<double>(body.ports.size());
-  const std::vector<scenario::PortParams> ports = scenario::read_ports(model.scenario.root);
-  for (const scenario::Node& junction : mbs.list("junctions")) {
-    const std::string name = junction.text("name");
-    const bool here = std::any_of(ports.begin(), ports.end(),
-                                  [&](const auto& port) { return port.body == name; });
-    const double ratio = junction.real("stand_in_mass_kg") / share_kg;
-    if (!here || (ratio < kUnlike && ratio > 1.0 / kUnlike)) continue;
-    findings.push_back(finding_at(
-        junction, "stand_in_mass_kg", "unlike_stand_in",
-        fmt::format("stands in with {:.3g} kg where the flexible body holds {:.3g} kg. With "
-                    "mbs.integrator of second order or coupling.scheme: implicit set it to about "
-                    "{:.1g}, and stand_in_inertia_kg_m2 to that times the square of the port's "
-                    "size.",
-                    junction.real("stand_in_mass_kg"), share_kg, share_kg)));
-  }
-  return findings;
 }
 
 std::vector<Finding> coarse_tolerances(const scenario::Node& root) {

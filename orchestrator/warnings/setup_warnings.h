@@ -24,10 +24,4 @@ namespace tandem::orchestrator {
 /// than the run is asked for.
 [[nodiscard]] std::vector<Finding> coarse_tolerances(const scenario::Node& root);
 
-/// Junctions whose stand-in inertia matters (integrators of second order, `implicit`) and is more
-/// than a hundred times heavier or lighter than the share of the flexible body that a port of it
-/// holds there.
-[[nodiscard]] std::vector<Finding> unlike_stand_in(const Model& model, const mbs::Params& params,
-                                                   const fem::Model& body);
-
 }  // namespace tandem::orchestrator

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "orchestrator/warnings/body_warnings.h"
+#include "orchestrator/warnings/junction_warnings.h"
 #include "orchestrator/warnings/material_warnings.h"
 #include "orchestrator/warnings/set_warnings.h"
 #include "orchestrator/warnings/setup_warnings.h"
